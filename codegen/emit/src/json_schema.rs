@@ -63,7 +63,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use uavspec_schema::failure::Failure;
 use uavspec_schema::json_type::Direction;
-use uavspec_schema::{Element, JsonMessageId, MessageId, Package, Schema};
+use uavspec_schema::{JsonMessageId, Package, Schema};
 
 use self::address::Address;
 pub(super) use self::address::Target;
@@ -128,9 +128,7 @@ pub(super) fn name(schema: &Schema, target: Target) -> String {
 
 /// All items of a package that have a schema.
 pub(super) fn targets(schema: &Schema, package: &Package, index: usize) -> Vec<Target> {
-    let parts = package.interfaces.iter().flat_map(|interface| &interface.parts);
-    let mut targets: Vec<Target> =
-        package.messages.iter().chain(parts).map(|id| Target::Message(*id)).collect();
+    let mut targets: Vec<Target> = package.all_messages().map(Target::Message).collect();
     if !package.error_tables.is_empty() {
         targets.extend([Target::ErrorCode(index), Target::ErrorList(index)]);
     }
@@ -219,19 +217,13 @@ impl<'s> Emitter<'s> {
         let mut open: Vec<Target> = own.to_vec();
         while let Some(target) = open.pop() {
             let Target::Message(id) = target else { continue };
-            open.extend(self.nested(id).filter(|nested| seen.insert(*nested)));
+            let nested = self.schema.message(id).nested().map(Target::Message);
+            open.extend(nested.filter(|nested| seen.insert(*nested)));
         }
         for target in own {
             seen.remove(target);
         }
         seen
-    }
-
-    fn nested(&self, id: MessageId) -> impl Iterator<Item = Target> {
-        self.schema.message(id).fields.iter().filter_map(|field| match field.ty.element {
-            Element::Message(id) => Some(Target::Message(id)),
-            Element::Scalar(_) | Element::Text(_) | Element::String { .. } => None,
-        })
     }
 }
 

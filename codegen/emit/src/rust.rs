@@ -36,7 +36,7 @@ use uavspec_dynamic::conversion::Conversions;
 use uavspec_schema::failure::Failure;
 use uavspec_schema::parallel::in_parts;
 use uavspec_schema::source::SourceMap;
-use uavspec_schema::{Element, MessageId, Package, Schema, prose};
+use uavspec_schema::{MessageId, Package, Schema, prose};
 
 use self::context::{Context, Place};
 use self::file::{
@@ -343,10 +343,7 @@ fn assert_layouts<'p>(
     context: &Context<'_>,
     messages: impl IntoIterator<Item = &'p (MessageId, Place)>,
 ) -> Option<TokenStream> {
-    let nests = |id: MessageId| {
-        let fields = &context.schema.message(id).fields;
-        fields.iter().any(|field| matches!(field.ty.element, Element::Message(_)))
-    };
+    let nests = |id: MessageId| context.schema.message(id).nested().next().is_some();
     let has_layout = |(id, place): &&(MessageId, Place)| !place.view_name.is_empty() && nests(*id);
     let names: Vec<_> =
         messages.into_iter().filter(has_layout).map(|(_, place)| ident(&place.type_name)).collect();

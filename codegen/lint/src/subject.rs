@@ -7,7 +7,7 @@ use uavspec_schema::msg::ast::{Definition, Line, Part};
 use uavspec_schema::msg::{Dialect, Kind};
 use uavspec_schema::resolve::PackageSource;
 use uavspec_schema::source::{SourceId, SourceMap, Span};
-use uavspec_schema::{Constant, Element, Field, Form, Message, MessageId, Schema};
+use uavspec_schema::{Constant, Field, Form, Message, MessageId, Schema};
 
 use super::rule::Scope;
 
@@ -112,15 +112,7 @@ pub(super) fn subjects<'a>(
 ) -> Vec<Subject<'a>> {
     let files: HashMap<(Span, Kind), &(&str, Kind, Span, Definition<'_>)> =
         parsed.iter().flat_map(|package| &package.files).map(|file| ((file.2, file.1), file)).collect();
-    let nested: BTreeSet<MessageId> = schema
-        .messages
-        .iter()
-        .flat_map(|message| &message.fields)
-        .filter_map(|field| match field.ty.element {
-            Element::Message(id) => Some(id),
-            Element::Scalar(_) | Element::Text(_) | Element::String { .. } => None,
-        })
-        .collect();
+    let nested: BTreeSet<MessageId> = schema.messages.iter().flat_map(Message::nested).collect();
     let subject = |(id, message): (u32, &'a Message)| {
         let Form::Msg(dialect) = parsed[message.package].input.form else { return None };
         let (stem, kind, _, definition) = files.get(&(message.span, message.kind))?;

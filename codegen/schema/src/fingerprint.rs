@@ -247,13 +247,7 @@ fn referenced(schema: &Schema, roots: impl IntoIterator<Item = MessageId>) -> BT
     let mut found = BTreeSet::new();
     let mut open: Vec<MessageId> = roots.into_iter().collect();
     while let Some(id) = open.pop() {
-        for field in &schema.message(id).fields {
-            if let Element::Message(nested) = field.ty.element
-                && found.insert(nested)
-            {
-                open.push(nested);
-            }
-        }
+        open.extend(schema.message(id).nested().filter(|nested| found.insert(*nested)));
     }
     found
 }
@@ -294,10 +288,8 @@ pub(crate) fn service_hash(schema: &Schema, interface: &Interface, package: usiz
 pub fn service_hash_of_event(schema: &Schema, event: &Message) -> Option<String> {
     let name = ros_name(schema, event);
     let service = name.strip_suffix("_Event").filter(|_| event.kind != Kind::Message)?;
-    let mut parts = event.fields.iter().skip(1).filter_map(|field| match field.ty.element {
-        Element::Message(id) => Some(id),
-        _ => None,
-    });
+    // The first field contains information about the client.
+    let mut parts = event.nested().skip(1);
     Some(hash_of_service(schema, service.to_owned(), [parts.next()?, parts.next()?]))
 }
 

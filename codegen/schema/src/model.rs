@@ -127,6 +127,12 @@ impl Package {
         }
     }
 
+    /// All messages, including the parts of services and actions.
+    pub fn all_messages(&self) -> impl Iterator<Item = MessageId> {
+        let parts = self.interfaces.iter().flat_map(|interface| &interface.parts);
+        self.messages.iter().chain(parts).copied()
+    }
+
     /// True if the package contains no definitions.
     pub fn is_empty(&self) -> bool {
         self.messages.is_empty()
@@ -229,6 +235,14 @@ impl Message {
             hash: 0,
             type_hash: String::new(),
         }
+    }
+
+    /// The message types of the fields, in order.
+    pub fn nested(&self) -> impl Iterator<Item = MessageId> {
+        self.fields.iter().filter_map(|field| match field.ty.element {
+            Element::Message(id) => Some(id),
+            Element::Scalar(_) | Element::Text(_) | Element::String { .. } => None,
+        })
     }
 }
 

@@ -23,10 +23,9 @@ pub(crate) fn modules(schema: &Schema) -> Vec<Module> {
 
 fn module(schema: &Schema, names: &mut Names, index: usize, package: &Package) -> Module {
     let mut declarer = Declarer { schema, names, imports: BTreeSet::new() };
-    let parts = package.interfaces.iter().flat_map(|interface| &interface.parts);
     let mut declarations = Vec::new();
-    for id in package.messages.iter().chain(parts) {
-        declarations.append(&mut message::declare(&mut declarer, *id));
+    for id in package.all_messages() {
+        declarations.append(&mut message::declare(&mut declarer, id));
     }
     for id in &package.json_types {
         let name = declarer.names.json_type(*id);

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use uavspec_schema::translation::{
     MessageKeys, MessageText, SOURCE_LANGUAGE, Translations, is_right_to_left, language_name, texts,
 };
-use uavspec_schema::{EnumRef, MessageId, Schema};
+use uavspec_schema::{EnumRef, MessageId, Package, Schema};
 
 /// The texts of all languages, and the enums of fields.
 pub(crate) struct Labels<'s> {
@@ -63,10 +63,7 @@ fn language<'s>(
 impl Labels<'_> {
     fn add_enumerations(&mut self, schema: &Schema) {
         let mut known: BTreeMap<EnumRef, usize> = BTreeMap::new();
-        for id in schema.packages.iter().flat_map(|package| {
-            let parts = package.interfaces.iter().flat_map(|interface| &interface.parts);
-            package.messages.iter().chain(parts).copied()
-        }) {
+        for id in schema.packages.iter().flat_map(Package::all_messages) {
             self.add_fields(schema, id, &mut known);
         }
     }

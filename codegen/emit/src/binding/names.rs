@@ -114,11 +114,9 @@ impl Names {
                 scope.unique_type(reserved);
             }
         }
-        let parts = package.interfaces.iter().flat_map(|interface| &interface.parts);
-        let messages: Vec<MessageId> = package.messages.iter().chain(parts).copied().collect();
         // Types come first, so a name derived from one type never takes the name of another type.
-        for id in &messages {
-            let name = top_level(&type_name(&schema.message(*id).name));
+        for id in package.all_messages() {
+            let name = top_level(&type_name(&schema.message(id).name));
             self.messages[id.0 as usize] = scope.unique_type(&name);
         }
         for id in &package.json_types {
@@ -132,7 +130,7 @@ impl Names {
                 self.parts.insert((*id, part.direction), scope.unique_type(&top_level(&name)));
             }
         }
-        for id in messages {
+        for id in package.all_messages() {
             let name = self.message(id).to_owned();
             self.constants[id.0 as usize] = scope.unique_type(&format!("{name}Constants"));
             let enums = schema.message(id).enums.iter().map(|found| {

@@ -164,10 +164,8 @@ impl<'s> Site<'s> {
 
     /// All documented messages, including parts of services and actions.
     fn listed(&self) -> Vec<(MessageId, &'s Message)> {
-        let ids = self.schema.packages.iter().flat_map(|package| {
-            package.messages.iter().chain(package.interfaces.iter().flat_map(|interface| &interface.parts))
-        });
-        ids.map(|id| (*id, self.schema.message(*id))).collect()
+        let ids = self.schema.packages.iter().flat_map(Package::all_messages);
+        ids.map(|id| (id, self.schema.message(id))).collect()
     }
 
     /// The page of a message, or an empty string if it has none.

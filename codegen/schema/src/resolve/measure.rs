@@ -1,6 +1,6 @@
 //! Computes layouts, sizes and hashes, and checks their limits.
 
-use super::resolver::{Resolver, id, nested_ids};
+use super::resolver::{Resolver, id};
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::fingerprint::MAX_NESTED_FIELDS;
 use crate::layout::MAX_MESSAGE_SIZE;
@@ -28,14 +28,14 @@ impl Resolver<'_> {
             let index = id.0 as usize;
             let message = &self.schema.messages[index];
             nested_fields[index] = message.fields.len() as u64;
-            for nested in nested_ids(message) {
+            for nested in message.nested() {
                 depths[index] = depths[index].max(depths[nested.0 as usize] + 1);
                 nested_fields[index] = nested_fields[index].saturating_add(nested_fields[nested.0 as usize]);
             }
             let uorb = layout::uorb(&self.schema, message);
             let size = uorb.as_ref().map_or(0, |layout| layout.size as u64).max(sizes[index].min);
             // Report only the nested message, not the messages that contain it.
-            is_too_large[index] = nested_ids(message).any(|nested| is_too_large[nested.0 as usize]);
+            is_too_large[index] = message.nested().any(|nested| is_too_large[nested.0 as usize]);
             if !is_too_large[index] {
                 let was_over = in_all > MAX_NESTED_FIELDS_IN_ALL;
                 in_all = in_all.saturating_add(nested_fields[index]);

@@ -1,6 +1,6 @@
 //! Sorts messages so that nested messages come first, and detects messages that contain themselves.
 
-use super::resolver::{Resolver, id, nested_ids};
+use super::resolver::{Resolver, id};
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::{Element, Field, MessageId};
 
@@ -15,7 +15,7 @@ impl Resolver<'_> {
         let mut missing: Vec<usize> = vec![0; count];
         let mut holders: Vec<Vec<usize>> = vec![Vec::new(); count];
         for (index, message) in self.schema.messages.iter().enumerate() {
-            for nested in nested_ids(message) {
+            for nested in message.nested() {
                 missing[index] += 1;
                 holders[nested.0 as usize].push(index);
             }
@@ -45,9 +45,8 @@ impl Resolver<'_> {
             while missing[at] > 0 && !is_done[at] {
                 is_done[at] = true;
                 path.push(at);
-                let next = nested_ids(&self.schema.messages[at])
-                    .map(|id| id.0 as usize)
-                    .find(|next| missing[*next] > 0);
+                let next =
+                    self.schema.messages[at].nested().map(|id| id.0 as usize).find(|next| missing[*next] > 0);
                 let Some(next) = next else { break };
                 at = next;
             }

@@ -71,10 +71,3 @@ pub(super) fn id(index: usize) -> MessageId {
 pub(super) fn offset(index: usize) -> u32 {
     u32::try_from(index).unwrap_or(u32::MAX)
 }
-
-pub(super) fn nested_ids(message: &Message) -> impl Iterator<Item = MessageId> {
-    message.fields.iter().filter_map(|field| match field.ty.element {
-        Element::Message(id) => Some(id),
-        Element::Scalar(_) | Element::Text(_) | Element::String { .. } => None,
-    })
-}

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::resolver::{Resolver, nested_ids};
+use super::resolver::Resolver;
 use crate::MessageId;
 use crate::diagnostic::{Diagnostic, Problem};
 
@@ -16,12 +16,7 @@ impl Resolver<'_> {
         for (index, selection) in std::mem::take(&mut self.selections).into_iter().enumerate() {
             let package = &mut self.schema.packages[index];
             let Some(selection) = selection else {
-                open.extend(
-                    package
-                        .messages
-                        .iter()
-                        .chain(package.interfaces.iter().flat_map(|interface| &interface.parts)),
-                );
+                open.extend(package.all_messages());
                 continue;
             };
             let is_selected = |name: &str| selection.iter().any(|(selected, _)| selected == name);
@@ -41,7 +36,7 @@ impl Resolver<'_> {
         while let Some(id) = open.pop() {
             if selected.insert(id) {
                 let message = self.schema.message(id);
-                open.extend(nested_ids(message));
+                open.extend(message.nested());
                 open.extend(message.fields.iter().filter_map(|field| Some(field.enumeration?.message)));
             }
         }
