@@ -36,7 +36,7 @@ use uavspec_dynamic::conversion::Conversions;
 use uavspec_schema::failure::Failure;
 use uavspec_schema::parallel::in_parts;
 use uavspec_schema::source::SourceMap;
-use uavspec_schema::{MessageId, Package, Schema, prose};
+use uavspec_schema::{Interface, MessageId, Package, Schema, prose};
 
 use self::context::{Context, Place};
 use self::file::{
@@ -70,21 +70,6 @@ impl Output for Options {
     }
 }
 
-/// The modules of a package, in declaration order.
-struct Modules {
-    /// The messages of the package with their modules and types.
-    messages: Vec<(MessageId, Place)>,
-    /// The modules of services and actions.
-    interfaces: Vec<InterfaceModule>,
-}
-
-struct InterfaceModule {
-    kind: &'static str,
-    module: String,
-    index: usize,
-    parts: Vec<(MessageId, Place)>,
-}
-
 /// Creates the module tree of the whole schema, with `options.root` as the root file.
 pub fn emit(schema: &Schema, sources: &SourceMap, options: &Options) -> Vec<OutputFile> {
     emit_with_conversions(schema, sources, &[], options)
@@ -112,24 +97,24 @@ pub fn emit_with_conversions(
     for package in &schema.packages {
         if !package.is_empty() {
             let module = root_scope.unique(&module_name(&package.name));
-            let modules = name_modules(&mut context, package, &module);
-            packages.push((package, module, modules));
+            name_modules(&mut context, package, &module);
+            packages.push((package, module));
         }
     }
     let mut files = vec![OutputFile {
         path: options.root.clone(),
         text: root(&packages, !conversions.is_empty(), options),
     }];
-    for (package, module, modules) in &packages {
-        files.append(&mut package_files(&context, package, module, modules));
+    for (package, module) in &packages {
+        files.append(&mut package_files(&context, package, module));
     }
     files.append(&mut message_files(&context));
     if !conversions.is_empty() {
         let module = |package: usize| {
             let name = &schema.packages[package].name;
-            let found = packages.iter().find(|(found, ..)| found.name == *name);
+            let found = packages.iter().find(|(found, _)| found.name == *name);
             // Packages without messages have no module, and no conversions either.
-            found.map_or("", |(_, module, _)| module.as_str())
+            found.map_or("", |(_, module)| module.as_str())
         };
         files.append(&mut conversion::files(&context, conversions, &module));
     }
@@ -137,8 +122,8 @@ pub fn emit_with_conversions(
     files
 }
 
-fn name_modules(context: &mut Context<'_>, package: &Package, module: &str) -> Modules {
-    let mut modules = Modules { messages: Vec::new(), interfaces: Vec::new() };
+/// Names the modules, types and views of a package.
+fn name_modules(context: &mut Context<'_>, package: &Package, module: &str) {
     let mut scope = Scope::default();
     let mut types = Scope::default();
     for reserved in ["srv", "action", "error_code", json_type::MODULE] {
@@ -149,31 +134,31 @@ fn name_modules(context: &mut Context<'_>, package: &Package, module: &str) -> M
     }
     let schema = context.schema;
     let has_view = |id: MessageId| schema.message(id).uorb.is_some();
+    let mut places = Vec::with_capacity(package.messages.len());
     for id in &package.messages {
         let name = &schema.message(*id).name;
-        let place = Place {
+        places.push(Place {
             modules: vec![module.to_owned(), scope.unique(&module_name(name))],
             type_name: types.unique_type(&identifier::type_name(name)),
             view_name: String::new(),
-        };
-        modules.messages.push((*id, place));
+        });
     }
     // Views are named after their types, and type names take precedence.
-    for (id, place) in &mut modules.messages {
+    for (id, mut place) in package.messages.iter().zip(places) {
         let mut module_types = Scope::default();
         module_types.unique_type(&place.type_name);
         if has_view(*id) {
             place.view_name = types.unique_type(&format!("{}View", place.type_name));
             module_types.unique_type(&place.view_name);
         }
-        set_place(context, *id, place.clone(), &mut module_types);
+        set_place(context, *id, place, &mut module_types);
     }
     let mut scopes: BTreeMap<&str, (Scope, Scope)> = BTreeMap::new();
-    for (index, interface) in package.interfaces.iter().enumerate() {
+    for interface in &package.interfaces {
         let kind = interface.kind.name();
         let (scope, types) = scopes.entry(kind).or_default();
         let name = scope.unique(&module_name(&interface.name));
-        let mut parts = Vec::new();
+        let mut places = Vec::new();
         let mut module_types = Scope::default();
         for id in &interface.parts {
             let type_name = types.unique_type(&identifier::type_name(&schema.message(*id).name));
@@ -181,15 +166,13 @@ fn name_modules(context: &mut Context<'_>, package: &Package, module: &str) -> M
                 if has_view(*id) { types.unique_type(&format!("{type_name}View")) } else { String::new() };
             module_types.unique_type(&type_name);
             module_types.unique_type(&view_name);
-            let path = vec![module.to_owned(), kind.to_owned(), name.clone()];
-            parts.push((*id, Place { modules: path, type_name, view_name }));
+            let modules = vec![module.to_owned(), kind.to_owned(), name.clone()];
+            places.push(Place { modules, type_name, view_name });
         }
-        for (id, place) in &parts {
-            set_place(context, *id, place.clone(), &mut module_types);
+        for (id, place) in interface.parts.iter().zip(places) {
+            set_place(context, *id, place, &mut module_types);
         }
-        modules.interfaces.push(InterfaceModule { kind, module: name, index, parts });
     }
-    modules
 }
 
 /// Stores where the type of a message is generated, and names the message's enums. `scope` is the scope of the module.
@@ -213,8 +196,8 @@ fn set_place(context: &mut Context<'_>, id: MessageId, place: Place, scope: &mut
     context.places[id.0 as usize] = Some(place);
 }
 
-fn root(packages: &[(&Package, String, Modules)], has_conversions: bool, options: &Options) -> String {
-    let modules = packages.iter().map(|(package, module, _)| {
+fn root(packages: &[(&Package, String)], has_conversions: bool, options: &Options) -> String {
+    let modules = packages.iter().map(|(package, module)| {
         let module = ident(module);
         let doc = documentation(&format!("Package `{}`.", package.name));
         // The generator formats the code.
@@ -250,12 +233,7 @@ fn root(packages: &[(&Package, String, Modules)], has_conversions: bool, options
     header("the definitions") + &layout_file(tokens)
 }
 
-fn package_files(
-    context: &Context<'_>,
-    package: &Package,
-    module: &str,
-    modules: &Modules,
-) -> Vec<OutputFile> {
+fn package_files(context: &Context<'_>, package: &Package, module: &str) -> Vec<OutputFile> {
     let mut files = Vec::new();
     let mut lines = vec![format!("Package `{}`, in the {} dialect.", package.name, package.form.name())];
     if let Some(origin) = &package.origin {
@@ -265,16 +243,17 @@ fn package_files(
         lines.push(format!("Revision: {}.", prose::inline(revision)));
     }
     let doc = inner_documentation(&lines.join("\n\n"));
-    let messages = modules.messages.iter().map(|(_, place)| {
+    let messages = package.messages.iter().map(|id| {
+        let place = context.place(*id);
         let doc = documentation(&format!(
             "[`{0}`](struct@{0}) and the types of its fields.",
             ident(&place.type_name)
         ));
-        re_export(&doc, module, &place.modules[1], [&place.type_name])
+        re_export(&doc, module, place.module(), [&place.type_name])
     });
     let kinds: Vec<TokenStream> = [("srv", "Services."), ("action", "Actions.")]
         .into_iter()
-        .filter(|(kind, _)| modules.interfaces.iter().any(|interface| interface.kind == *kind))
+        .filter(|(kind, _)| package.interfaces.iter().any(|interface| interface.kind.name() == *kind))
         .map(|(kind, text)| {
             let doc = documentation(text);
             let declaration = module_declaration(module, kind);
@@ -293,14 +272,14 @@ fn package_files(
         json = Some(json_type::declaration(module));
         files.append(&mut json_type::files(context, package, module));
     }
-    let views = re_export_views(modules.messages.iter().map(|(_, place)| (place.modules[1].as_str(), place)));
-    let layouts = assert_layouts(context, &modules.messages);
+    let views = re_export_views(context, &package.messages);
+    let layouts = assert_layouts(context, &package.messages);
     let tokens = quote!(#doc #error_codes #(#messages)* #(#kinds)* #json #views #layouts);
     let text = header_of_package(package) + &layout_file(tokens);
     files.push(OutputFile { path: format!("{module}.rs"), text });
     for kind in ["srv", "action"] {
-        let interfaces: Vec<&InterfaceModule> =
-            modules.interfaces.iter().filter(|interface| interface.kind == kind).collect();
+        let interfaces: Vec<&Interface> =
+            package.interfaces.iter().filter(|interface| interface.kind.name() == kind).collect();
         if !interfaces.is_empty() {
             files.push(OutputFile {
                 path: format!("{module}/{kind}.rs"),
@@ -308,32 +287,30 @@ fn package_files(
             });
         }
     }
-    for interface in &modules.interfaces {
-        let path = format!("{module}/{}/{}.rs", interface.kind, interface.module);
-        let from = &package.interfaces[interface.index];
-        let doc = inner_documentation(&format!("Parts of {}.", prose::code(&from.name)));
-        let parts: Vec<TokenStream> =
-            interface.parts.iter().map(|(id, _)| message::tokens(context, *id)).collect();
-        let text = header_of(context, package, from.span) + &layout_file(quote!(#doc #(#parts)*));
+    for interface in &package.interfaces {
+        let Some(first) = interface.parts.first() else { continue };
+        let path = format!("{}.rs", context.place(*first).modules.join("/"));
+        let doc = inner_documentation(&format!("Parts of {}.", prose::code(&interface.name)));
+        let parts = interface.parts.iter().map(|id| message::tokens(context, *id));
+        let text = header_of(context, package, interface.span) + &layout_file(quote!(#doc #(#parts)*));
         files.push(OutputFile { path, text });
     }
     files
 }
 
-fn kind_module(context: &Context<'_>, package: &Package, interfaces: &[&InterfaceModule]) -> String {
-    let what = if interfaces[0].kind == "srv" { "Services" } else { "Actions" };
+fn kind_module(context: &Context<'_>, package: &Package, interfaces: &[&Interface]) -> String {
+    let kind = interfaces[0].kind.name();
+    let what = if kind == "srv" { "Services" } else { "Actions" };
     let doc = inner_documentation(&format!("{what} of package `{}`.", package.name));
     let modules = interfaces.iter().map(|interface| {
-        let doc =
-            documentation(&format!("Parts of {}.", prose::code(&package.interfaces[interface.index].name)));
-        let parts = interface.parts.iter().map(|(_, place)| &place.type_name);
-        re_export(&doc, interface.kind, &interface.module, parts)
+        let doc = documentation(&format!("Parts of {}.", prose::code(&interface.name)));
+        let places = || interface.parts.iter().map(|id| context.place(*id));
+        let module = places().next().map_or("", Place::module);
+        re_export(&doc, kind, module, places().map(|place| &place.type_name))
     });
-    let views =
-        re_export_views(interfaces.iter().flat_map(|interface| {
-            interface.parts.iter().map(|(_, place)| (interface.module.as_str(), place))
-        }));
-    let layouts = assert_layouts(context, interfaces.iter().flat_map(|interface| &interface.parts));
+    let parts = || interfaces.iter().flat_map(|interface| &interface.parts);
+    let views = re_export_views(context, parts());
+    let layouts = assert_layouts(context, parts());
     header_of_package(package) + &layout_file(quote!(#doc #(#modules)* #views #layouts))
 }
 
@@ -341,12 +318,12 @@ fn kind_module(context: &Context<'_>, package: &Package, interfaces: &[&Interfac
 /// other messages needs no assertions, because the generator knows it completely.
 fn assert_layouts<'p>(
     context: &Context<'_>,
-    messages: impl IntoIterator<Item = &'p (MessageId, Place)>,
+    messages: impl IntoIterator<Item = &'p MessageId>,
 ) -> Option<TokenStream> {
-    let nests = |id: MessageId| context.schema.message(id).nested().next().is_some();
-    let has_layout = |(id, place): &&(MessageId, Place)| !place.view_name.is_empty() && nests(*id);
+    let nests = |id: &&MessageId| context.schema.message(**id).nested().next().is_some();
+    let places = messages.into_iter().filter(nests).map(|id| context.place(*id));
     let names: Vec<_> =
-        messages.into_iter().filter(has_layout).map(|(_, place)| ident(&place.type_name)).collect();
+        places.filter(|place| !place.view_name.is_empty()).map(|place| ident(&place.type_name)).collect();
     (!names.is_empty()).then(|| quote!(::uavspec_runtime::assert_layouts! { #(#names;)* }))
 }
 
@@ -362,12 +339,17 @@ fn re_export<'n>(
     quote!(#doc #declaration pub use self::#module::{#(#names),*};)
 }
 
-/// Re-exports the views of messages if the runtime's `views` feature is enabled. Each message is given with its module.
-fn re_export_views<'p>(messages: impl Iterator<Item = (&'p str, &'p Place)>) -> Option<TokenStream> {
+/// Re-exports the views of messages if the runtime's `views` feature is enabled.
+fn re_export_views<'p>(
+    context: &Context<'_>,
+    messages: impl IntoIterator<Item = &'p MessageId>,
+) -> Option<TokenStream> {
     let lines: Vec<TokenStream> = messages
-        .filter(|(_, place)| !place.view_name.is_empty())
-        .map(|(module, place)| {
-            let (module, name) = (ident(module), ident(&place.view_name));
+        .into_iter()
+        .map(|id| context.place(*id))
+        .filter(|place| !place.view_name.is_empty())
+        .map(|place| {
+            let (module, name) = (ident(place.module()), ident(&place.view_name));
             quote!(pub use self::#module::#name;)
         })
         .collect();

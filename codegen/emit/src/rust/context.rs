@@ -16,6 +16,13 @@ pub(super) struct Place {
     pub(super) view_name: String,
 }
 
+impl Place {
+    /// The name of the innermost module.
+    pub(super) fn module(&self) -> &str {
+        self.modules.last().map_or("", String::as_str)
+    }
+}
+
 /// The context that all parts of the emitter share.
 pub(super) struct Context<'s> {
     pub(super) schema: &'s Schema,
