@@ -44,7 +44,7 @@ pub(crate) fn labels<'s>(schema: &'s Schema, translations: &'s Translations) -> 
     let source = texts(schema).into_iter().map(|text| (text.key, text.text));
     let mut languages = vec![language(SOURCE_LANGUAGE, language_name(SOURCE_LANGUAGE), source)];
     languages.extend(translations.languages.iter().map(|found| {
-        let texts = found.iter().map(|(key, _, translation)| (key.to_owned(), translation));
+        let texts = found.iter().map(|(key, translation)| (key.to_owned(), translation));
         language(&found.tag, &found.name, texts)
     }));
     let mut labels = Labels { languages, enumerations: Vec::new(), fields: BTreeMap::new() };

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use super::catalogue::{Catalogue, Entry, Places, parse};
 use super::language::{self, SOURCE_LANGUAGE, is_tag};
 use super::text::{Text, texts};
-use super::translations::{Language, Translated, Translations};
+use super::translations::{Language, Translations};
 use crate::Schema;
 use crate::diagnostic::{Diagnostic, Problem, has_errors};
 use crate::source::{SourceId, SourceMap, Span, stem};
@@ -127,15 +127,11 @@ impl Reader<'_, '_> {
                 continue;
             }
             known.insert(key, index);
-            match state(entry, place, text) {
-                State::Used => {
-                    let translated =
-                        Translated { source: entry.id.clone(), translation: entry.translation.clone() };
-                    language.entries.insert(key.to_owned(), translated);
-                    language.units.insert(text.unit.clone());
-                }
-                State::Missing => {}
-                State::Unusable(diagnostic) => diagnostics.push(*diagnostic),
+            if let Some(diagnostic) = problem(entry, place, text) {
+                diagnostics.push(diagnostic);
+            } else if entry.is_translated() {
+                language.entries.insert(key.to_owned(), entry.translation.clone());
+                language.units.insert(text.unit.clone());
             }
         }
         self.missing(&known, diagnostics);
@@ -172,26 +168,15 @@ impl Reader<'_, '_> {
     }
 }
 
-/// The state of an entry.
-enum State {
-    Used,
-    Missing,
-    Unusable(Box<Diagnostic>),
-}
-
-fn state(entry: &Entry, place: Places, text: &Text<'_>) -> State {
+/// The reason why the translation of an entry is not used, if it has one.
+fn problem(entry: &Entry, place: Places, text: &Text<'_>) -> Option<Diagnostic> {
     let key = text.key.clone();
-    if !entry.is_translated() {
-        return State::Missing;
+    if entry.is_translated() && entry.id != text.text {
+        let diagnostic = Diagnostic::new(Problem::TranslationStale { key }, place.id);
+        return Some(diagnostic.with_related(text.span, "current text"));
     }
-    let diagnostic = if entry.id != text.text {
-        Diagnostic::new(Problem::TranslationStale { key }, place.id).with_related(text.span, "current text")
-    } else if entry.is_fuzzy() {
-        Diagnostic::new(Problem::TranslationFuzzy { key }, place.translation)
-    } else {
-        return State::Used;
-    };
-    State::Unusable(Box::new(diagnostic))
+    let is_unusable = entry.is_translated() && entry.is_fuzzy();
+    is_unusable.then(|| Diagnostic::new(Problem::TranslationFuzzy { key }, place.translation))
 }
 
 fn unknown(key: &str, place: Places) -> Diagnostic {

@@ -41,30 +41,21 @@ pub struct Language {
     /// Native name: `Українська`.
     pub name: String,
     /// Translated texts by key.
-    pub(super) entries: BTreeMap<String, Translated>,
+    pub(super) entries: BTreeMap<String, String>,
     /// Units with at least one translated text.
     pub(super) units: BTreeSet<String>,
-}
-
-/// A text and its translation.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Translated {
-    pub(super) source: String,
-    pub(super) translation: String,
 }
 
 impl Language {
     /// The translation of the text with this key. `None` means that the original text should be shown, because it has
     /// no translation or has changed since it was translated.
     pub fn get(&self, key: &str) -> Option<&str> {
-        self.entries.get(key).map(|entry| entry.translation.as_str())
+        self.entries.get(key).map(String::as_str)
     }
 
-    /// All up-to-date translations, sorted by key. Each item contains the key, the original text and the translation.
-    pub fn iter(&self) -> impl Iterator<Item = (&str, &str, &str)> {
-        self.entries
-            .iter()
-            .map(|(key, entry)| (key.as_str(), entry.source.as_str(), entry.translation.as_str()))
+    /// All up-to-date translations with their keys, sorted by key.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.entries.iter().map(|(key, translation)| (key.as_str(), translation.as_str()))
     }
 
     /// True if any text of this unit is translated; see `Text::unit`.
