@@ -16,7 +16,7 @@ use crate::msg::attribute::{ATTRIBUTES, Attribute};
 use crate::msg::constraint::{self, ConstraintKind};
 use crate::msg::{Dialect, Kind};
 use crate::source::Span;
-use crate::table::type_table::is_number;
+use crate::table::type_table::{built_in_name, is_number};
 use crate::value::Value;
 
 /// All packages of a run.
@@ -506,12 +506,6 @@ impl Schema {
             if matches!(inner, Expression::Either(_)) { format!("({text})") } else { text }
         };
         match expression {
-            Expression::Any => "any".to_owned(),
-            Expression::Null => "null".to_owned(),
-            Expression::Boolean => "boolean".to_owned(),
-            Expression::Integer => "integer".to_owned(),
-            Expression::Number => "number".to_owned(),
-            Expression::String => "string".to_owned(),
             Expression::ErrorCode => name(ERROR_CODE),
             Expression::ErrorList => name(ERROR_LIST),
             Expression::Named(id) => name(&self.json_type(*id).name),
@@ -522,6 +516,7 @@ impl Schema {
                 let constants: Vec<String> = constants.iter().map(|constant| quoted(constant)).collect();
                 format!("one of {}", constants.join(", "))
             }
+            built_in => built_in_name(built_in).to_owned(),
         }
     }
 }

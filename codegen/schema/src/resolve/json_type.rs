@@ -18,7 +18,7 @@ use crate::msg::statement::Statement;
 use crate::source::Span;
 use crate::table::type_table::{
     self, Body, Definitions, Direction, Expression as Written, ExpressionKind, MessageDefinition,
-    PartDefinition, TypeDefinition,
+    PartDefinition, TypeDefinition, built_in_name,
 };
 use crate::table::{Page, Text};
 use crate::wording::similar;
@@ -284,12 +284,7 @@ impl Resolver<'_, '_> {
 
     fn expression(&mut self, written: &Written) -> Expression {
         match &written.kind {
-            ExpressionKind::Any => Expression::Any,
-            ExpressionKind::Null => Expression::Null,
-            ExpressionKind::Boolean => Expression::Boolean,
-            ExpressionKind::Integer => Expression::Integer,
-            ExpressionKind::Number => Expression::Number,
-            ExpressionKind::String => Expression::String,
+            ExpressionKind::BuiltIn(ty) => ty.clone(),
             ExpressionKind::Named(name) => self.named(name, written.span),
             ExpressionKind::List(inner) => Expression::List(Box::new(self.expression(inner))),
             ExpressionKind::Map(inner) => Expression::Map(Box::new(self.expression(inner))),
@@ -415,12 +410,7 @@ fn texts<'t>(paragraphs: &[&'t Text]) -> impl Iterator<Item = &'t str> {
 /// An expression as text, for messages.
 fn shown(expression: &Written) -> String {
     match &expression.kind {
-        ExpressionKind::Any => "any".to_owned(),
-        ExpressionKind::Null => "null".to_owned(),
-        ExpressionKind::Boolean => "boolean".to_owned(),
-        ExpressionKind::Integer => "integer".to_owned(),
-        ExpressionKind::Number => "number".to_owned(),
-        ExpressionKind::String => "string".to_owned(),
+        ExpressionKind::BuiltIn(ty) => built_in_name(ty).to_owned(),
         ExpressionKind::Named(name) => name.clone(),
         ExpressionKind::List(inner) => format!("list of {}", shown(inner)),
         ExpressionKind::Map(inner) => format!("map of {}", shown(inner)),

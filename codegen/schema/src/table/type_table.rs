@@ -17,8 +17,8 @@ mod note;
 mod reader;
 
 use self::columns::Header;
-pub(crate) use self::expression::is_number;
 pub use self::expression::{Expression, ExpressionKind, is_type_name};
+pub(crate) use self::expression::{built_in_name, is_number};
 pub use self::message::Direction;
 pub(crate) use self::message::{MessageDefinition, PartDefinition};
 use self::reader::Reader;
@@ -97,7 +97,7 @@ mod tests {
         assert!(matches!(&found.types[1].body, Body::Tuple(elements) if elements[0].is_required));
         assert!(matches!(&found.types[2].body, Body::Set(entries) if entries[0].value == "thermal"));
         let Body::Named { ty, notes } = &found.types[3].body else { panic!("{:?}", found.types[3]) };
-        assert_eq!(ty.kind, ExpressionKind::Integer);
+        assert_eq!(ty.kind, ExpressionKind::BuiltIn(crate::json_type::Expression::Integer));
         let annotations: Vec<usize> = notes.iter().map(|note| note.annotations.len()).collect();
         assert_eq!(annotations, [1, 1]);
         assert_eq!(notes[0].text, "Above the sea.");

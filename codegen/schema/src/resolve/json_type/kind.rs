@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use crate::json_type::ERROR_LIST;
+use crate::json_type::{self, ERROR_LIST};
 use crate::table::type_table::{Body, Expression, ExpressionKind, TypeDefinition};
 
 /// Kinds of values that annotations distinguish.
@@ -23,8 +23,10 @@ pub(super) fn kinds(expression: &Expression, by_name: &ByName<'_, '_>, is_within
     let mut open = vec![expression];
     while let Some(next) = open.pop() {
         match &next.kind {
-            ExpressionKind::Integer | ExpressionKind::Number => kinds.has_number = true,
-            ExpressionKind::String => kinds.has_string = true,
+            ExpressionKind::BuiltIn(json_type::Expression::Integer | json_type::Expression::Number) => {
+                kinds.has_number = true;
+            }
+            ExpressionKind::BuiltIn(json_type::Expression::String) => kinds.has_string = true,
             ExpressionKind::List(inner) => {
                 kinds.has_list = true;
                 open.extend(is_within.then_some(&**inner));
@@ -38,10 +40,7 @@ pub(super) fn kinds(expression: &Expression, by_name: &ByName<'_, '_>, is_within
                 }
                 kinds.has_list |= name == ERROR_LIST;
             }
-            ExpressionKind::Any
-            | ExpressionKind::Null
-            | ExpressionKind::Boolean
-            | ExpressionKind::OneOf(_) => {}
+            ExpressionKind::BuiltIn(_) | ExpressionKind::OneOf(_) => {}
         }
     }
     kinds

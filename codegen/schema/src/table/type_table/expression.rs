@@ -11,6 +11,7 @@ use std::ops::Range;
 use std::vec::IntoIter;
 
 use crate::diagnostic::{Diagnostic, Problem};
+use crate::json_type;
 use crate::source::Span;
 use crate::table::text::Text;
 
@@ -33,18 +34,8 @@ pub struct Expression {
 /// The kind of a type expression.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ExpressionKind {
-    /// Any JSON value.
-    Any,
-    /// `null`.
-    Null,
-    /// `true` or `false`.
-    Boolean,
-    /// An integer.
-    Integer,
-    /// Any number.
-    Number,
-    /// A string.
-    String,
+    /// A built-in type.
+    BuiltIn(json_type::Expression),
     /// A type of the package.
     Named(String),
     /// A JSON array of elements of one type.
@@ -58,14 +49,19 @@ pub enum ExpressionKind {
 }
 
 /// The built-in types.
-const BUILT_IN: [(&str, ExpressionKind); 6] = [
-    ("any", ExpressionKind::Any),
-    ("null", ExpressionKind::Null),
-    ("boolean", ExpressionKind::Boolean),
-    ("integer", ExpressionKind::Integer),
-    ("number", ExpressionKind::Number),
-    ("string", ExpressionKind::String),
+const BUILT_IN: [(&str, json_type::Expression); 6] = [
+    ("any", json_type::Expression::Any),
+    ("null", json_type::Expression::Null),
+    ("boolean", json_type::Expression::Boolean),
+    ("integer", json_type::Expression::Integer),
+    ("number", json_type::Expression::Number),
+    ("string", json_type::Expression::String),
 ];
+
+/// The name of a built-in type; empty for other types.
+pub(crate) fn built_in_name(ty: &json_type::Expression) -> &'static str {
+    BUILT_IN.iter().find(|(_, known)| known == ty).map_or("", |(name, _)| name)
+}
 
 /// Characters that end the type at the start of a paragraph.
 const ENDS: [char; 5] = [',', '.', ':', ';', '['];
@@ -200,7 +196,7 @@ impl<'t> Parser<'t> {
                 (ExpressionKind::OneOf(constants), start.to(last))
             }
             name => match BUILT_IN.iter().find(|(known, _)| *known == name) {
-                Some((_, kind)) => (kind.clone(), start),
+                Some((_, ty)) => (ExpressionKind::BuiltIn(ty.clone()), start),
                 None if is_type_name(name) => (ExpressionKind::Named(name.to_owned()), start),
                 None => return Err(Failure { range: token.range, hint: None }),
             },
@@ -274,7 +270,7 @@ mod tests {
                 format!("({})", all.iter().map(shown).collect::<Vec<_>>().join("|"))
             }
             ExpressionKind::OneOf(constants) => format!("{constants:?}"),
-            built_in => format!("{built_in:?}").to_lowercase(),
+            ExpressionKind::BuiltIn(ty) => built_in_name(ty).to_owned(),
         }
     }
 
