@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use uavspec_dynamic::conversion::{Answer, Conversions, answer};
 use uavspec_emit::Input;
-use uavspec_schema::diagnostic::{Level, has_errors};
+use uavspec_schema::diagnostic::Level;
 use uavspec_schema::failure::Failure;
 use uavspec_schema::finding::Finding;
 use uavspec_schema::parallel::in_parallel;
@@ -15,7 +15,7 @@ use uavspec_schema::translation::Translations;
 use uavspec_schema::{Schema, render};
 
 pub(crate) use self::output::{Difference, Folder, compare, write};
-use crate::load::{Config, Loaded, Plan, read_translated};
+use crate::load::{Config, Loaded, Plan, fail_on_errors, read_translated};
 
 /// The result of [`generate`].
 #[derive(Debug)]
@@ -58,10 +58,8 @@ pub fn generate(config: impl AsRef<Path>) -> Result<Generated, Failure> {
     let config = config.as_ref();
     let plan = Config::find(Some(config))?.plan()?;
     let (loaded, schema, translations, diagnostics) = read_translated(&plan)?;
-    let rendered = render::render(&diagnostics, &loaded.sources, false);
-    if has_errors(&diagnostics) {
-        return Err(Failure::new(format!("the definitions contain errors\n{rendered}")));
-    }
+    fail_on_errors(&diagnostics, &loaded.sources)?;
+    let warnings = render::render(&diagnostics, &loaded.sources, false);
     let folders = emit_all(&plan, &loaded, &schema, &translations)?;
     let mut inputs = loaded.files;
     inputs.insert(0, config.to_path_buf());
@@ -69,7 +67,7 @@ pub fn generate(config: impl AsRef<Path>) -> Result<Generated, Failure> {
     Ok(Generated {
         inputs,
         changed: changed.into_iter().map(Difference::into_path).collect(),
-        warnings: rendered,
+        warnings,
     })
 }
 

@@ -155,7 +155,7 @@ fn plan_at(path: &Path, dialect: Option<Dialect>) -> Result<Plan, Failure> {
     Ok(Plan::from_arguments(&name, Form::Msg(dialect), &[path.to_path_buf()], Path::new(""), &[]))
 }
 
-fn fail_on_errors(diagnostics: &[Diagnostic], sources: &SourceMap) -> Result<(), Failure> {
+pub(crate) fn fail_on_errors(diagnostics: &[Diagnostic], sources: &SourceMap) -> Result<(), Failure> {
     if !has_errors(diagnostics) {
         return Ok(());
     }
