@@ -12,9 +12,10 @@ use uavspec_schema::source::SourceMap;
 const DISTRIBUTION: &str = "jazzy";
 
 /// The built-in packages that a reader needs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum BuiltIn {
     /// The packages that the definitions refer to. Only the referenced messages appear in the output.
+    #[default]
     Referenced,
     /// All messages that don't differ between distributions, because captures also contain other messages.
     All,

@@ -99,7 +99,7 @@ impl From<DialectName> for Form {
 }
 
 /// The packages to read and the outputs to write.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Plan {
     /// The folder that displayed paths are relative to; empty for the current folder.
     pub(crate) root: PathBuf,
@@ -290,9 +290,7 @@ impl Config {
             lint,
             catalogues,
             conversions,
-            revision: None,
-            open: BTreeMap::new(),
-            built_in: BuiltIn::Referenced,
+            ..Plan::default()
         })
     }
 }
@@ -392,17 +390,6 @@ impl Plan {
 
     /// A plan for packages, without outputs and without a configuration file.
     pub fn of_packages(packages: Vec<PlannedPackage>) -> Self {
-        Self {
-            root: PathBuf::new(),
-            packages,
-            outputs: Vec::new(),
-            config: None,
-            lint: PlannedLint::default(),
-            catalogues: (PathBuf::new(), Vec::new()),
-            conversions: Vec::new(),
-            revision: None,
-            open: BTreeMap::new(),
-            built_in: BuiltIn::Referenced,
-        }
+        Self { packages, ..Self::default() }
     }
 }

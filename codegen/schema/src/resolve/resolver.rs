@@ -8,7 +8,7 @@ use super::gather::ByPrefix;
 use crate::diagnostic::Diagnostic;
 use crate::span::Span;
 use crate::value::Value;
-use crate::{Element, EnumRef, Message, MessageId, Schema};
+use crate::{EnumRef, MessageId, Schema};
 
 /// A field with an enum that is created later, when all constants are known.
 pub(super) struct PendingEnum {
