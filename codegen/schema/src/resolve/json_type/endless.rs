@@ -62,20 +62,28 @@ fn check_depth(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
 /// An upper bound of the number of types on any path from each type, without repetitions. All types that lie on cycles
 /// with each other count as if they were on one path.
 fn depths(steps: &[Vec<usize>]) -> Vec<usize> {
-    let mut graph = DiGraph::<(), ()>::new();
-    steps.iter().for_each(|_| _ = graph.add_node(()));
-    for (at, next) in steps.iter().enumerate() {
-        graph.extend_with_edges(next.iter().map(|next| (NodeIndex::new(at), NodeIndex::new(*next))));
-    }
     let mut depths = vec![0_usize; steps.len()];
-    // Each component follows its successors, so their depths are known, and those of this component are still 0.
-    for component in kosaraju_scc(&graph) {
-        let next = component.iter().flat_map(|at| &steps[at.index()]);
-        let below = next.map(|next| depths[*next]).max();
-        let depth = component.len().saturating_add(below.unwrap_or(0));
-        component.into_iter().for_each(|at| depths[at.index()] = depth);
+    for group in groups(steps) {
+        // The depths of this group are still 0, and those of all successors are known.
+        let below = group.iter().flat_map(|at| &steps[*at]).map(|next| depths[*next]).max();
+        let depth = group.len().saturating_add(below.unwrap_or(0));
+        for at in group {
+            depths[at] = depth;
+        }
     }
     depths
+}
+
+/// The groups of types that refer to each other, in which most types are alone. Each group follows the groups that its
+/// types refer to.
+fn groups(steps: &[Vec<usize>]) -> impl Iterator<Item = Vec<usize>> {
+    let edges = steps.iter().enumerate().flat_map(|(at, next)| next.iter().map(move |next| (at, *next)));
+    let mut graph = DiGraph::<(), (), usize>::from_edges(edges);
+    while graph.node_count() < steps.len() {
+        graph.add_node(());
+    }
+    let groups = kosaraju_scc(&graph).into_iter();
+    groups.map(|group| group.into_iter().map(NodeIndex::index).collect())
 }
 
 /// The indices of the types that each type refers to. `references` returns the types that a definition refers to.
@@ -107,7 +115,7 @@ fn check_size(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
     });
     // The number of alternatives of each type.
     let mut sizes = vec![0_usize; types.len()];
-    for at in groups(&steps).concat() {
+    for at in groups(&steps).flatten() {
         sizes[at] = steps[at].iter().map(|step| sizes[*step]).fold(1, usize::saturating_add);
         if sizes[at] > MAX_ALTERNATIVES {
             let problem = Problem::TooManyParts {
