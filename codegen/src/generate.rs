@@ -64,11 +64,7 @@ pub fn generate(config: impl AsRef<Path>) -> Result<Generated, Failure> {
     let mut inputs = loaded.files;
     inputs.insert(0, config.to_path_buf());
     let changed = write(&folders, &inputs)?;
-    Ok(Generated {
-        inputs,
-        changed: changed.into_iter().map(Difference::into_path).collect(),
-        warnings,
-    })
+    Ok(Generated { inputs, changed: changed.into_iter().map(Difference::into_path).collect(), warnings })
 }
 
 /// Runs the emitters of the plan. Fails if a name in the definitions is not a file name on all systems.
