@@ -73,7 +73,8 @@ pub(super) fn height(flight: Option<&mut Flight>, status: &Value) -> Option<i64>
 pub(super) struct Descent {
     /// The greatest height in mm since the latest progress.
     highest: Option<i64>,
-    progressed_at: Option<Instant>,
+    /// The time of the latest progress. `None` if the UAV hasn't descended.
+    pub(super) progressed_at: Option<Instant>,
 }
 
 impl Descent {
@@ -87,11 +88,6 @@ impl Descent {
             }
             _ => self.highest = Some(height),
         }
-    }
-
-    /// The time of the latest progress. `None` if the UAV hasn't descended.
-    pub(super) fn progressed_at(&self) -> Option<Instant> {
-        self.progressed_at
     }
 }
 
@@ -224,7 +220,7 @@ mod tests {
         let mut at = |seconds: u64, height: i64| {
             let now = now + Duration::from_secs(seconds);
             descent.see(height, now);
-            descent.progressed_at() == Some(now)
+            descent.progressed_at == Some(now)
         };
         let seen = [(0, 5_000), (1, 6_000), (2, 5_900), (3, 5_800), (4, 5_700), (5, 5_500)];
         let seen: Vec<bool> = seen.map(|(seconds, height)| at(seconds, height)).into();

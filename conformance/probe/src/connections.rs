@@ -79,7 +79,7 @@ impl Probe<'_, '_> {
             return;
         }
         let name = session::name(endpoint.unwrap_or(self.endpoint), self.connections);
-        self.tape.refused(&name, &error.to_string(), trial);
+        self.tape.event(&name, "refused", &error.to_string(), trial);
     }
 
     /// Makes sure that the survey has an open connection. Reconnects if the connection ended.
@@ -132,7 +132,7 @@ impl Probe<'_, '_> {
     /// Ends the survey's connection.
     pub(super) fn leave(&mut self) {
         let Some(session) = self.session.take() else { return };
-        if session.bare_answers() > 0 && !std::mem::replace(&mut self.is_bare, true) {
+        if session.bare > 0 && !std::mem::replace(&mut self.is_bare, true) {
             self.note("HTTP responses have no envelope; uavspec adds one before checking them".to_owned());
         }
         self.close(session);
@@ -140,7 +140,7 @@ impl Probe<'_, '_> {
 
     /// Closes a connection, but keeps it open while answers may still arrive.
     pub(super) fn close(&mut self, session: Session) {
-        self.is_ending |= session.is_announced();
+        self.is_ending |= session.is_announced;
         if !session.is_pending() || self.stop.is_due() {
             return session.close(&mut self.tape);
         }
@@ -260,7 +260,7 @@ impl Probe<'_, '_> {
             }
         });
         // A server may also close the older connection.
-        let is_lost = self.witness.as_ref().is_some_and(|known| known.is_over() && !known.is_announced());
+        let is_lost = self.witness.as_ref().is_some_and(|known| known.is_over() && !known.is_announced);
         if !is_served || is_lost {
             self.is_exclusive = true;
             self.note("the server serves only one connection".to_owned());
@@ -276,15 +276,11 @@ impl Probe<'_, '_> {
         witness.catch_up(&mut self.tape);
         if witness.is_over() {
             // An interrupted control proves nothing.
-            let is_lost = !witness.is_announced()
-                && !self.closes_connections(witness.idle_time())
-                && !self.stop.is_due();
+            let is_lost =
+                !witness.is_announced && !self.closes_connections(witness.idle_time()) && !self.stop.is_due();
             if is_lost {
-                self.tape.refused(
-                    witness.name(),
-                    "the server closed the connection of another client",
-                    Some(trial),
-                );
+                let why = "the server closed the connection of another client";
+                self.tape.event(&witness.name, "refused", why, Some(trial));
             }
             return !is_lost;
         }

@@ -50,7 +50,7 @@ impl Probe<'_, '_> {
                 return;
             }
             // A UAV that lands at the first command needs no warning.
-            let is_usual = !attempts.is_empty() && attempts.values().all(|attempt| attempt.commands() == 1);
+            let is_usual = !attempts.is_empty() && attempts.values().all(|attempt| attempt.commands == 1);
             if let Some(danger) = self.danger().filter(|_| !is_usual && now >= next_warning) {
                 let left = until.saturating_duration_since(now).as_secs();
                 let danger = self.secrets.hide(&danger);
@@ -124,7 +124,7 @@ impl Probe<'_, '_> {
                 attempts.entry((effect, uav.clone())).or_insert_with(|| Undoing::new(effect, patience));
             let outcome = attempt.receipt().and_then(|receipt| self.stop.commanded().outcome(receipt));
             if attempt.is_due(connection, self.clock.now(), outcome) {
-                is_again |= attempt.commands() > 0;
+                is_again |= attempt.commands > 0;
                 due.push(uav);
             }
         }
@@ -235,7 +235,7 @@ impl Probe<'_, '_> {
         if self.session.as_ref().is_none_or(Session::is_over) {
             self.reconnect()?;
         }
-        Ok(self.session.as_ref().map(|session| session.name().to_owned()).unwrap_or_default())
+        Ok(self.session.as_ref().map(|session| session.name.clone()).unwrap_or_default())
     }
 
     /// Sends a request, after connecting again if necessary. If there is no answer, the next request uses a new

@@ -173,7 +173,7 @@ fn probe_through<'d>(
         access,
         network,
         clock: options.clock.clone(),
-        tape: Tape::new(definitions, options.clock.clone(), record).without(secrets.clone()),
+        tape: Tape::new(definitions, options.clock.clone(), secrets.clone(), record),
         secrets,
         coverage: Coverage::new(definitions),
         session: None,
@@ -552,13 +552,9 @@ impl Probe<'_, '_> {
     fn must_stop(&self) -> Option<&'static str> {
         match () {
             () if self.stop.is_due() => Some(INTERRUPTED),
-            () if self.is_late() => Some(OUT_OF_TIME),
+            () if self.clock.now() >= self.end => Some(OUT_OF_TIME),
             () => None,
         }
-    }
-
-    fn is_late(&self) -> bool {
-        self.clock.now() >= self.end
     }
 
     /// Waits until the time has passed or the probe must stop.

@@ -79,8 +79,9 @@ pub fn conforming(definitions: &Definitions) -> Vec<(&'static str, CaptureResult
     let flights =
         Encoding::ALL.into_iter().filter_map(|encoding| Some((encoding.name(), encoding.write(&flight)?)));
     let captures = flights.chain([("Flockwave", Session::new().to_bytes())]);
-    let checked = captures.map(|(name, bytes)| (name, check_bytes(&bytes, definitions)));
-    checked.filter_map(|(name, result)| Some((name, result?))).collect()
+    let checked =
+        |(name, bytes): (_, Vec<u8>)| Some((name, check_capture(&bytes[..], None, definitions).ok()?));
+    captures.filter_map(checked).collect()
 }
 
 /// Checks all mutants of all rules.
@@ -91,7 +92,7 @@ pub fn matrix(definitions: &Definitions) -> Vec<Row> {
 /// Checks mutants.
 pub fn rows(definitions: &Definitions, mutants: impl Iterator<Item = Mutant>) -> Vec<Row> {
     let flight = Flight::new(definitions);
-    let violated = |bytes: Vec<u8>| Some(violated(&check_bytes(&bytes, definitions)?));
+    let violated = |bytes: Vec<u8>| Some(violated(&check_capture(&bytes[..], None, definitions).ok()?));
     let rows_of = |mutant: Mutant| {
         let row = |title, violated| Row { rule: mutant.rule, mutant: mutant.clone(), title, violated };
         let captures = mutant.captures(&flight).into_iter();
@@ -109,9 +110,4 @@ pub fn list<'i>(ids: impl IntoIterator<Item = &'i &'static str>) -> String {
 
 fn violated(result: &CaptureResult) -> BTreeSet<&'static str> {
     result.findings.groups().map(|group| group.rule.id).collect()
-}
-
-/// Checks a capture in memory.
-fn check_bytes(bytes: &[u8], definitions: &Definitions) -> Option<CaptureResult> {
-    check_capture(bytes, None, definitions).ok()
 }

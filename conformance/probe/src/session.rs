@@ -14,7 +14,7 @@ use uavspec_model::clock::Clock;
 
 use super::INTERRUPTED;
 use super::stop::{NOTICE_TIME, Stop};
-use super::tape::Tape;
+use super::tape::{TOO_LONG, Tape};
 
 /// The maximum number of unanswered requests whose ids are stored.
 const MAX_WAITING: usize = 1_000;
@@ -89,7 +89,7 @@ impl Link {
 
 /// A connection.
 pub(super) struct Session {
-    name: String,
+    pub(super) name: String,
     kind: Kind,
     /// The time that a request may stay unanswered.
     patience: Duration,
@@ -108,13 +108,13 @@ pub(super) struct Session {
     /// The ids of the HTTP requests whose responses have not been read, in order. A message without an id has `None`.
     unread: VecDeque<Option<String>>,
     /// The number of answers without an envelope.
-    bare: u64,
+    pub(super) bare: u64,
     /// The time of the latest message from the client.
     sent_at: Instant,
     /// True if the connection is being read to its end after sending failed.
     is_draining: bool,
-    /// True if the server sent SYS-CLOSE.
-    is_announced: bool,
+    /// True if the server sent SYS-CLOSE, and so announced the end of the connection.
+    pub(super) is_announced: bool,
     /// The reason why the latest failed HTTP request failed.
     failed: Option<String>,
     /// The HTTP status of that request's response.
@@ -156,11 +156,6 @@ impl Session {
         })
     }
 
-    /// The number of answers without an envelope.
-    pub(super) fn bare_answers(&self) -> u64 {
-        self.bare
-    }
-
     /// True if messages are sent over a byte stream, in which they may be split.
     pub(super) fn is_stream(&self) -> bool {
         self.kind == Kind::Stream
@@ -168,11 +163,6 @@ impl Session {
 
     fn is_one_shot(&self) -> bool {
         self.kind == Kind::OneShot
-    }
-
-    /// The name of the connection.
-    pub(super) fn name(&self) -> &str {
-        &self.name
     }
 
     /// True if the client has not sent a request for a while.
@@ -183,11 +173,6 @@ impl Session {
     /// The time since the latest message from the client.
     pub(super) fn idle_time(&self) -> Duration {
         self.clock.now().saturating_duration_since(self.sent_at)
-    }
-
-    /// True if the server announced the end of the connection.
-    pub(super) fn is_announced(&self) -> bool {
-        self.is_announced
     }
 
     /// True if messages may be lost.
@@ -283,7 +268,7 @@ impl Session {
 
     /// Records that the latest HTTP request has no valid response.
     fn fails(&mut self, tape: &mut Tape<'_>, id: Option<&str>, why: &str, trial: Option<Trial<'_>>) {
-        tape.failed(&self.name, why, trial);
+        tape.event(&self.name, "failed", why, trial);
         self.failed = Some(why.to_owned());
         self.waiting.retain(|waiting, _| Some(waiting.as_str()) != id);
     }
@@ -364,7 +349,7 @@ impl Session {
                     Err(bytes) => tape.other_event(&self.name, &bytes),
                 },
                 Ok(Received::OtherEvent(bytes)) => tape.other_event(&self.name, &bytes),
-                Ok(Received::TooLong) => tape.too_long(&self.name),
+                Ok(Received::TooLong) => tape.message(&self.name, Direction::In, TOO_LONG, None),
                 Ok(Received::Silence) => {}
                 Ok(Received::End) => self.end(tape, CLOSED),
                 Err(error) => self.fail(tape, &error),
@@ -454,8 +439,9 @@ impl Session {
             && !self.is_draining
             && let Some(id) = message["id"].as_str()
         {
+            let start: String = id.chars().take(30).collect();
             let answer = json!({
-                "$fw.version": "1.0", "id": format!("re-{}", short(id)), "refs": id, "body": { "type": "ACK-ACK" },
+                "$fw.version": "1.0", "id": format!("re-{start}"), "refs": id, "body": { "type": "ACK-ACK" },
             });
             self.send(tape, answer.to_string().as_bytes(), None, None);
         }
@@ -484,7 +470,7 @@ impl Session {
     fn end(&mut self, tape: &mut Tape<'_>, why: &str) {
         if self.end.is_none() {
             self.end = Some(why.to_owned());
-            tape.closed(&self.name, why);
+            tape.event(&self.name, "closed", why, None);
         }
     }
 }
@@ -516,8 +502,4 @@ fn is_end(error: &io::Error) -> bool {
 /// The error of a call that was interrupted because the probe must stop.
 fn interrupted() -> io::Error {
     io::Error::other(INTERRUPTED)
-}
-
-fn short(id: &str) -> String {
-    id.chars().take(30).collect()
 }

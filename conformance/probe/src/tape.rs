@@ -15,8 +15,8 @@ use uavspec_model::json::Tree;
 use uavspec_model::text::thousands;
 use uavspec_rules::definitions::Definitions;
 
-/// The text recorded for a message over the length limit.
-const TOO_LONG: &[u8] = b"(more than 16 MiB)";
+/// The text recorded for a received message over the length limit.
+pub(super) const TOO_LONG: &[u8] = b"(more than 16 MiB)";
 
 /// The maximum size of a recording, in bytes. A server can send without end.
 const MAX_RECORDED: u64 = 1 << 30;
@@ -60,10 +60,15 @@ struct Kept {
 }
 
 impl<'d> Tape<'d> {
-    /// Starts a recording, which is also written to `file`.
-    pub(super) fn new(definitions: &'d Definitions, clock: Clock, file: Option<Box<dyn Write + 'd>>) -> Self {
+    /// Starts a recording, which is also written to `file`. Placeholders replace secrets in all lines.
+    pub(super) fn new(
+        definitions: &'d Definitions,
+        clock: Clock,
+        secrets: Secrets,
+        file: Option<Box<dyn Write + 'd>>,
+    ) -> Self {
         Self {
-            secrets: Secrets::default(),
+            secrets,
             definitions,
             clock,
             checker: FlockwaveChecker::new(definitions),
@@ -75,11 +80,6 @@ impl<'d> Tape<'d> {
             bytes: 0,
             limit: MAX_RECORDED,
         }
-    }
-
-    /// Replaces secrets in all lines by placeholders.
-    pub(super) fn without(self, secrets: Secrets) -> Self {
-        Self { secrets, ..self }
     }
 
     /// Drops all findings, and only records from now on.
@@ -112,17 +112,11 @@ impl<'d> Tape<'d> {
         self.line(connection, direction, &content, trial);
     }
 
-    /// Records a received message over the length limit.
-    pub(super) fn too_long(&mut self, connection: &str) {
-        self.message(connection, Direction::In, TOO_LONG, None);
-    }
-
     /// Records an event that isn't a Flockwave message, but may contain one.
     pub(super) fn other_event(&mut self, connection: &str, bytes: &[u8]) {
         self.identify(bytes);
         let content = String::from_utf8_lossy(&bytes[..bytes.len().min(MAX_OTHER)]);
-        let content = format!("\"event\":\"other\",\"why\":{}", quoted(&content));
-        self.line(connection, "event", &content, None);
+        self.event(connection, "other", &content, None);
     }
 
     /// Records a new connection.
@@ -131,22 +125,11 @@ impl<'d> Tape<'d> {
         self.line(connection, "event", &content, None);
     }
 
-    /// Records a refused connection.
-    pub(super) fn refused(&mut self, connection: &str, why: &str, trial: Option<Trial<'_>>) {
-        let content = format!("\"event\":\"refused\",\"why\":{}", quoted(why));
+    /// Records an event with its reason: a connection was `refused` or `closed`, or the latest HTTP request has `failed`,
+    /// because it has no valid response.
+    pub(super) fn event(&mut self, connection: &str, event: &str, why: &str, trial: Option<Trial<'_>>) {
+        let content = format!("\"event\":\"{event}\",\"why\":{}", quoted(why));
         self.line(connection, "event", &content, trial);
-    }
-
-    /// Records that the latest HTTP request has no valid response.
-    pub(super) fn failed(&mut self, connection: &str, why: &str, trial: Option<Trial<'_>>) {
-        let content = format!("\"event\":\"failed\",\"why\":{}", quoted(why));
-        self.line(connection, "event", &content, trial);
-    }
-
-    /// Records the end of a connection.
-    pub(super) fn closed(&mut self, connection: &str, why: &str) {
-        let content = format!("\"event\":\"closed\",\"why\":{}", quoted(why));
-        self.line(connection, "event", &content, None);
     }
 
     fn line(&mut self, connection: &str, direction: &str, content: &str, trial: Option<Trial<'_>>) {
@@ -254,25 +237,12 @@ fn quoted(text: &str) -> String {
 mod tests {
     use super::*;
 
-    /// A file whose content outlives the tape.
-    #[derive(Clone, Default)]
-    struct Shared(std::rc::Rc<std::cell::RefCell<Vec<u8>>>);
-
-    impl Write for Shared {
-        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-            self.0.borrow_mut().write(bytes)
-        }
-
-        fn flush(&mut self) -> io::Result<()> {
-            Ok(())
-        }
-    }
-
     #[test]
     fn a_recording_ends_at_its_limit_but_the_checks_go_on() {
-        let (definitions, file) = (Definitions::built_in(), Shared::default());
+        let (definitions, mut written) = (Definitions::built_in(), Vec::new());
         let mut tape =
-            Tape { limit: 1_000, ..Tape::new(&definitions, Clock::real(), Some(Box::new(file.clone()))) };
+            Tape::new(&definitions, Clock::real(), Secrets::default(), Some(Box::new(&mut written)));
+        tape.limit = 1_000;
         for number in 0..100 {
             let message = format!(r#"{{"$fw.version":"1.0","id":"{number}","body":{{"type":"SYS-PING"}}}}"#);
             tape.message("tcp#1", Direction::In, message.as_bytes(), None);
@@ -281,7 +251,6 @@ mod tests {
         assert_eq!(result.records, 100);
         let failure = failure.expect("a limit").to_string();
         assert_eq!(failure, "it would exceed 1,000 bytes; the rest is missing");
-        let written = file.0.take();
         assert!((900..=1_000).contains(&written.len()) && written.ends_with(b"\n"), "{}", written.len());
     }
 }

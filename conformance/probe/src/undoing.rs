@@ -38,8 +38,8 @@ pub(super) struct Undoing {
     patience: Duration,
     /// The latest command.
     sent: Option<Sent>,
-    /// The number of commands.
-    commands: u32,
+    /// The number of commands that were sent.
+    pub(super) commands: u32,
     /// The time since which the server has refused or accepted all commands.
     refused_since: Option<Instant>,
     accepted_since: Option<Instant>,
@@ -80,16 +80,11 @@ impl Undoing {
         }
     }
 
-    /// The number of commands that were sent.
-    pub(super) fn commands(&self) -> u32 {
-        self.commands
-    }
-
     /// True if the command must be sent now. A new connection may follow the end of a server that forgot the command.
     pub(super) fn is_due(&self, connection: &str, now: Instant, outcome: Option<bool>) -> bool {
         let Some(sent) = &self.sent else { return true };
         // A UAV that descends obeys the command.
-        let since = self.descent.progressed_at().map_or(sent.at, |at| at.max(sent.at));
+        let since = self.descent.progressed_at.map_or(sent.at, |at| at.max(sent.at));
         // A UAV in the air must react to the command, whatever the state of the operation is.
         let is_pending = self.effect != Effect::Airborne && sent.receipt().is_some() && outcome.is_none();
         let limit = if is_pending { self.patience } else { REACTION_TIME };
@@ -182,7 +177,7 @@ impl Undoing {
         };
         self.refused_since.is_some()
             && is_longer_than(self.refused_since, REFUSAL_TIME)
-            && is_longer_than(self.descent.progressed_at(), REFUSAL_TIME)
+            && is_longer_than(self.descent.progressed_at, REFUSAL_TIME)
             && is_longer_than(self.returned_at, RETURN_TIME)
     }
 

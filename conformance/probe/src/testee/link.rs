@@ -6,7 +6,6 @@
 
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::net::{Shutdown, TcpStream};
-use std::process::ChildStdin;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, sync_channel};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -70,7 +69,7 @@ impl Link {
                 let (process, input, output) = Process::start(command).map_err(|error| {
                     format!("can't start {}: {error}", shown(&options.target.to_string()))
                 })?;
-                thread::spawn(move || write(input, &requests));
+                thread::spawn(move || write(input, &requests, drop));
                 thread::spawn(move || read(output, &lines, limit));
                 Peer::Process(process)
             }
@@ -80,7 +79,10 @@ impl Link {
                 let connected =
                     Connection::open_again(address, limits, &options.clock).and_then(|connection| {
                         let (input, output) = (connection.stream()?, connection.stream()?);
-                        thread::spawn(move || write(input, &requests));
+                        // Dropping this handle isn't enough, since other handles keep the socket open. An error only
+                        // means that the socket is already disconnected.
+                        let close = |input: TcpStream| _ = input.shutdown(Shutdown::Write);
+                        thread::spawn(move || write(input, &requests, close));
                         thread::spawn(move || read(output, &lines, limit));
                         Ok(connection)
                     });
@@ -228,30 +230,14 @@ pub(super) fn remaining_stderr(stderr: &str) -> String {
     }
 }
 
-/// A writer that can signal the end of the data to the other side.
-trait Input: Write {
-    fn close(self);
-}
-
-impl Input for ChildStdin {
-    fn close(self) {}
-}
-
-impl Input for TcpStream {
-    fn close(self) {
-        // Dropping this handle isn't enough, since other handles keep the socket open. An error only means that the
-        // socket is already disconnected.
-        let _ = self.shutdown(Shutdown::Write);
-    }
-}
-
-fn write(mut input: impl Input, requests: &Receiver<Vec<u8>>) {
+/// Writes the requests. `close` signals the end of the data to the other side.
+fn write<I: Write>(mut input: I, requests: &Receiver<Vec<u8>>, close: impl FnOnce(I)) {
     for bytes in requests {
         if input.write_all(&bytes).and_then(|()| input.flush()).is_err() {
             return;
         }
     }
-    input.close();
+    close(input);
 }
 
 fn read(output: impl Read, lines: &SyncSender<Received>, limit: usize) {

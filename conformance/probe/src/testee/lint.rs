@@ -176,10 +176,10 @@ impl Bench<'_> {
         if session.has_response() {
             self.timeouts.answered();
         }
-        if session.has_timed_out() {
+        if session.has_timed_out {
             self.gave_up = self.timeouts.count(self.options);
         }
-        self.strays.append(session.into_strays());
+        self.strays.append(session.received.strays);
         result.into()
     }
 

@@ -89,7 +89,7 @@ fn answers_have_ids(bench: &mut Bench<'_>) -> CheckOutcome {
         let received = session.receive();
         // A response may be late. Another check covers how the testee exits.
         let _ = session.finish();
-        match session.received().foreign {
+        match session.received.foreign {
             Some(id) => Err(format!("unexpected response with id {id}")),
             // A response without an id leaves its request unanswered, so such a response causes a failure here too.
             None => received,
@@ -105,7 +105,7 @@ fn one_answer_each(bench: &mut Bench<'_>) -> CheckOutcome {
         session.receive()?;
         // A second response may be late. Another check covers how the testee exits.
         let _ = session.finish();
-        match session.received().repeated {
+        match session.received.repeated {
             Some(id) => Err(format!("more than one response with id {id}")),
             None => Ok(()),
         }
@@ -119,7 +119,7 @@ fn ids_of_any_size(bench: &mut Bench<'_>) -> CheckOutcome {
             let mut request = case.request(0);
             request["id"] = id.into();
             session.send(id, &request);
-            session.receive().map_err(|wrong| match session.received().foreign {
+            session.receive().map_err(|wrong| match session.received.foreign {
                 Some(other) => format!("the response to request {id} has id {other}"),
                 None => wrong,
             })?;
@@ -137,7 +137,7 @@ fn questions_in_one_write(bench: &mut Bench<'_>) -> CheckOutcome {
             lines.push_str(&request.to_string());
             lines.push('\n');
         }
-        session.send_bytes(lines.into_bytes());
+        session.send_parts([lines.as_bytes()]);
         session.receive()
     })
 }

@@ -94,7 +94,7 @@ fn second_hello(bench: &mut Bench<'_>) -> CheckOutcome {
         session.send_hello();
         session.check_alive(case)?;
         let first = bench.introduced.as_ref().map(|(hello, _)| hello);
-        match session.received().hellos.iter().find(|line| Hello::read(line).ok().as_ref() != first) {
+        match session.received.hellos.iter().find(|line| Hello::read(line).ok().as_ref() != first) {
             Some(line) => Err(format!("the second hello differs from the first: {}", excerpt(line))),
             None => Ok(()),
         }

@@ -22,9 +22,10 @@ pub(super) struct Session<'o> {
     link: Link,
     options: &'o Options,
     next_id: i64,
-    received: ReceivedResponses,
+    /// The lines received so far.
+    pub(super) received: ReceivedResponses,
     /// True if a response didn't come in time.
-    has_timed_out: bool,
+    pub(super) has_timed_out: bool,
 }
 
 /// The received lines, and the responses that may still arrive.
@@ -120,11 +121,6 @@ impl<'o> Session<'o> {
     /// Registers a request that is sent by other means.
     pub(super) fn expect(&mut self, id: i64) {
         self.received.pending.insert(id);
-    }
-
-    /// Sends bytes with one write.
-    pub(super) fn send_bytes(&self, bytes: Vec<u8>) {
-        self.link.send_bytes(bytes);
     }
 
     /// Sends each part with a separate write.
@@ -230,21 +226,6 @@ impl<'o> Session<'o> {
     /// True if any request got a response.
     pub(super) fn has_response(&self) -> bool {
         !self.received.responses.is_empty()
-    }
-
-    /// True if a response didn't come in time.
-    pub(super) const fn has_timed_out(&self) -> bool {
-        self.has_timed_out
-    }
-
-    /// The lines received so far.
-    pub(super) const fn received(&self) -> &ReceivedResponses {
-        &self.received
-    }
-
-    /// The unexpected lines of the session.
-    pub(super) fn into_strays(self) -> Strays {
-        self.received.strays
     }
 }
 
