@@ -1,47 +1,13 @@
 //! Runs a job for several items in parallel.
 
+use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Condvar, Mutex, PoisonError, mpsc};
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::{Mutex, PoisonError, mpsc};
 use std::thread;
 
 /// The maximum number of results for each thread that wait for the result of an earlier item.
 const MAX_EARLY: usize = 64;
-
-/// The number of items whose results have been taken. Threads wait if they are too far ahead.
-#[derive(Default)]
-struct Taken {
-    number: Mutex<usize>,
-    changed: Condvar,
-}
-
-impl Taken {
-    /// Raises the number. It never decreases, so results taken after a panic don't make threads wait again.
-    fn set(&self, number: usize) {
-        let mut taken = self.number.lock().unwrap_or_else(PoisonError::into_inner);
-        *taken = number.max(*taken);
-        drop(taken);
-        self.changed.notify_all();
-    }
-
-    /// Waits until more than `number` results minus `max_early` have been taken.
-    fn wait(&self, number: usize, max_early: usize) {
-        let taken = self.number.lock().unwrap_or_else(PoisonError::into_inner);
-        let is_ahead = |taken: &mut usize| number >= taken.saturating_add(max_early);
-        drop(self.changed.wait_while(taken, is_ahead).unwrap_or_else(PoisonError::into_inner));
-    }
-}
-
-/// Ends the waiting of all threads if one of them panics.
-struct EndOnPanic<'t>(&'t Taken);
-
-impl Drop for EndOnPanic<'_> {
-    fn drop(&mut self) {
-        if thread::panicking() {
-            self.0.set(usize::MAX);
-        }
-    }
-}
 
 /// Runs `work` for each of `items` in parallel. Passes the results to `take` in item order, each as early as possible.
 /// If an item takes long, the results of only a limited number of later items are kept.
@@ -58,59 +24,53 @@ pub fn each<T: Sync, R: Send>(
     if jobs <= 1 {
         return items.iter().for_each(|item| take(item, work(item)));
     }
-    // The results are boxed: the list has a place for each item until the end, but most results are taken soon.
-    let results: Vec<Mutex<Option<Box<R>>>> = items.iter().map(|_| Mutex::default()).collect();
-    let result = |at: usize| results[at].lock().unwrap_or_else(PoisonError::into_inner);
-    let work = |at: usize| {
-        let found = work(&items[at]);
-        *result(at) = Some(Box::new(found));
+    // The numbers of the items that may be started, and of those that are done. Threads end when no more may be started.
+    let (starting, started) = mpsc::channel();
+    let (sender, done) = mpsc::channel();
+    let (started, work) = (Mutex::new(started), &work);
+    let run = |sender: mpsc::Sender<_>| {
+        while let Ok(at) = next(&started) {
+            let result = catch_unwind(AssertUnwindSafe(|| work(&items[at])));
+            // After a panic, nobody takes the results.
+            let _ = sender.send((at, result));
+        }
     };
-    in_order(items.len(), jobs, &work, &mut |at| {
-        let Some(found) = result(at).take() else { return false };
-        take(&items[at], *found);
-        true
+    thread::scope(|scope| {
+        for _ in 0..jobs {
+            let (run, sender) = (&run, sender.clone());
+            scope.spawn(move || run(sender));
+        }
+        let starting = starting;
+        let mut waiting = 0..items.len();
+        let mut start = |count: usize| {
+            // The receiver outlives the threads.
+            waiting.by_ref().take(count).for_each(|at| _ = starting.send(at));
+        };
+        start(jobs.saturating_mul(MAX_EARLY));
+        let mut early = BTreeMap::new();
+        for (at, item) in items.iter().enumerate() {
+            let result = loop {
+                if let Some(result) = early.remove(&at) {
+                    break result;
+                }
+                early.extend(done.recv());
+            };
+            take(item, result.unwrap_or_else(|panic| resume_unwind(panic)));
+            start(1);
+        }
     });
 }
 
-/// Runs `work` for all numbers below `count` in parallel, and `take` for the same numbers in order, each as early as
-/// possible. `take` returns false if the work for its number isn't done.
-///
-/// Not generic, because the compiler would copy all code of the threads for each type of results.
-fn in_order(count: usize, jobs: usize, work: &(dyn Fn(usize) + Sync), take: &mut dyn FnMut(usize) -> bool) {
-    let max_early = jobs.saturating_mul(MAX_EARLY);
-    let (next, taken) = (AtomicUsize::new(0), Taken::default());
-    let (sender, done) = mpsc::channel();
-    thread::scope(|scope| {
-        for _ in 0..jobs {
-            let (sender, next, taken) = (sender.clone(), &next, &taken);
-            scope.spawn(move || {
-                let _end = EndOnPanic(taken);
-                loop {
-                    let at = next.fetch_add(1, Ordering::Relaxed);
-                    if at >= count {
-                        return;
-                    }
-                    taken.wait(at, max_early);
-                    work(at);
-                    // The receiver outlives all senders.
-                    let _ = sender.send(());
-                }
-            });
-        }
-        drop(sender);
-        let _end = EndOnPanic(&taken);
-        let mut expected = 0;
-        for () in done {
-            while expected < count && take(expected) {
-                expected += 1;
-                taken.set(expected);
-            }
-        }
-    });
+/// Waits for the number of the next item.
+fn next(started: &Mutex<mpsc::Receiver<usize>>) -> Result<usize, mpsc::RecvError> {
+    started.lock().unwrap_or_else(PoisonError::into_inner).recv()
 }
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Condvar;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
     use super::*;
 
     #[test]
@@ -161,10 +121,5 @@ mod tests {
         let work = |item: &usize| assert_ne!(*item, 0, "the first item fails");
         let run = || each(&items, NonZeroUsize::new(3), work, |_, ()| ());
         assert!(std::panic::catch_unwind(run).is_err());
-        // Results that are taken after the panic don't make threads wait again.
-        let taken = Taken::default();
-        taken.set(usize::MAX);
-        taken.set(1);
-        taken.wait(2_000, 1);
     }
 }
