@@ -19,7 +19,6 @@ mod tests;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
-use std::path::Path;
 
 use serde::Serialize;
 use uavspec_capture::input::Input;
@@ -107,20 +106,9 @@ pub enum TopicStatus {
 }
 
 impl Timeline {
-    /// Reads a capture. The inner error is the reason why nothing can be read.
+    /// Checks a capture, and reads its timeline. The inner error is the reason why nothing can be read.
     ///
     /// Fails if the capture can't be opened.
-    pub fn read(
-        path: &Path,
-        library: &Library,
-        texts: &Texts,
-        reading: Reading<'_>,
-    ) -> io::Result<Result<Self, String>> {
-        let input = Input::Path(path.to_owned());
-        Ok(Self::check(&input, None, library, texts, reading)?.1)
-    }
-
-    /// Like [`Self::read`], and also checks the capture.
     pub fn check(
         input: &Input,
         message_id: Option<MessageId>,
@@ -149,7 +137,7 @@ impl Timeline {
         Ok((checked, timeline.ok()))
     }
 
-    /// Like [`Self::read`], for bytes in memory.
+    /// The timeline of bytes in memory.
     pub fn of_bytes(bytes: &[u8], definitions: &Definitions, texts: &Texts) -> Result<Self, String> {
         let mut follower = Follower::new(texts);
         let result = crate::observe_capture(bytes, definitions, &mut follower);

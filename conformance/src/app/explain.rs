@@ -7,6 +7,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use uavspec_capture::input::Input;
 use uavspec_capture::names::is_capture;
 use uavspec_check::timeline::{MAX_ALL_CHANGES, MAX_CHANGES, Texts, Timeline, TopicStatus};
 use uavspec_model::Extent;
@@ -120,9 +121,10 @@ fn timeline(args: &ExplainArgs) -> Exit {
     let language = language(args.language.as_deref(), &texts.languages())?;
     check_outputs(args)?;
     let progress = Progress::bytes(std::fs::metadata(&args.what).map_or(0, |metadata| metadata.len()));
-    let timeline = Timeline::read(&args.what, &library, &texts, &|input| progress.reading(input));
+    let input = Input::Path(args.what.clone());
+    let checked = Timeline::check(&input, None, &library, &texts, &|input| progress.reading(input));
     drop(progress);
-    let timeline = timeline.map_err(|error| unreadable(&args.what, error))?;
+    let (_, timeline) = checked.map_err(|error| unreadable(&args.what, error))?;
     let timeline = timeline.map_err(|reason| unreadable(&args.what, reason))?;
     write(args, &timeline, &language)?;
     Ok(status(&timeline))

@@ -3,7 +3,7 @@
 use uavspec_rules::definitions::Definitions;
 
 use super::label::Texts;
-use super::lane::Lanes;
+use super::lane::{Lane, LaneKind, Lanes};
 
 /// The context of a record.
 pub(super) struct Context<'c> {
@@ -12,4 +12,12 @@ pub(super) struct Context<'c> {
     pub(super) lanes: &'c mut Lanes,
     /// The time in µs, by the clock of the capture.
     pub(super) time: u64,
+}
+
+impl Context<'_> {
+    /// The lane of a topic, a subject and a name. Creates a lane without a label if there is room.
+    pub(super) fn lane(&mut self, key: (&str, &str, &str), rank: usize, kind: LaneKind) -> Option<usize> {
+        let (topic, _, name) = key;
+        self.lanes.get(key, || Lane { rank, ..Lane::new(topic, name, kind) })
+    }
 }

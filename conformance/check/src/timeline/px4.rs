@@ -428,10 +428,7 @@ fn integer(value: &ConstantValue) -> Option<i128> {
 /// Records a message of the topic `event`.
 fn event(values: DynamicView<'_>, subject: &str, context: &mut Context<'_>) {
     let topic = "event";
-    let lane = context.lanes.get((topic, subject, topic), || Lane {
-        rank: rank_of(topic),
-        ..Lane::new(topic, topic, LaneKind::Event)
-    });
+    let lane = context.lane((topic, subject, topic), rank_of(topic), LaneKind::Event);
     let Some(lane) = lane else { return };
     let Some(part) = event_part(values) else { return };
     // The lower 4 bits are the level for ground stations. Levels below 4 are errors, and 4 is a warning.

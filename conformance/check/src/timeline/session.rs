@@ -132,9 +132,7 @@ fn error_lane(id: &str, code: u32, context: &mut Context<'_>) -> Option<usize> {
 
 /// Records the value of a state.
 fn set(key: (&str, &str, &str), rank: usize, value: Value, context: &mut Context<'_>) {
-    let (topic, _, name) = key;
-    let lane = context.lanes.get(key, || Lane { rank, ..Lane::new(topic, name, LaneKind::State) });
-    if let Some(lane) = lane {
+    if let Some(lane) = context.lane(key, rank, LaneKind::State) {
         context.lanes.set(lane, context.time, value);
     }
 }

@@ -8,7 +8,7 @@ use uavspec_schema::MessageId;
 use super::{Defined, defined, event_part, number, rank_of};
 use crate::timeline::context::Context;
 use crate::timeline::label::{Item, Label};
-use crate::timeline::lane::{Lane, LaneKind, Part, Severity, Value};
+use crate::timeline::lane::{LaneKind, Part, Severity, Value};
 
 const REQUEST: &str = "arming_check_request";
 const REPLY: &str = "arming_check_reply";
@@ -31,10 +31,7 @@ impl Arming {
     pub(super) fn request(&mut self, values: DynamicView<'_>, context: &mut Context<'_>) {
         let mask = number(values, "valid_registrations_mask");
         let name = if mask.is_some() { "valid_registrations_mask" } else { REQUEST };
-        let lane = context.lanes.get((REQUEST, "", name), || Lane {
-            rank: rank_of(REQUEST),
-            ..Lane::new(REQUEST, name, LaneKind::State)
-        });
+        let lane = context.lane((REQUEST, "", name), rank_of(REQUEST), LaneKind::State);
         let Some(lane) = lane else { return };
         let parts = mask.map_or_else(|| vec![Part::new("sent", None)], |mask| self.registrations(mask));
         context.lanes.set(lane, context.time, Value::new(parts, Severity::Normal));
@@ -54,10 +51,7 @@ impl Arming {
     pub(super) fn reply(&self, id: MessageId, values: DynamicView<'_>, context: &mut Context<'_>) {
         let Some(registration) = number(values, "registration_id") else { return };
         let subject = component(registration, self.names.get(&registration));
-        let lane = context.lanes.get((REPLY, &subject, VERDICT), || Lane {
-            rank: rank_of(REPLY),
-            ..Lane::new(REPLY, VERDICT, LaneKind::State)
-        });
+        let lane = context.lane((REPLY, &subject, VERDICT), rank_of(REPLY), LaneKind::State);
         let Some(lane) = lane else { return };
         let can_run = number(values, VERDICT) != Some(0);
         let mut parts = vec![Part::new(if can_run { "true" } else { "false" }, None)];
@@ -81,10 +75,7 @@ impl Arming {
         values: DynamicView<'_>,
         context: &mut Context<'_>,
     ) {
-        let lane = context.lanes.get((topic, "", topic), || Lane {
-            rank: rank_of(topic),
-            ..Lane::new(topic, topic, LaneKind::Event)
-        });
+        let lane = context.lane((topic, "", topic), rank_of(topic), LaneKind::Event);
         let is_refused = number(values, "success") == Some(0);
         let registration = number(values, "arming_check_id").filter(|id| *id >= 0 && !is_refused);
         if let (Some(id), Some(name)) = (registration, values.get("name").and_then(text)) {
