@@ -20,7 +20,7 @@ use uavspec_schema::MessageId;
 
 pub(crate) use self::clues::Found;
 use self::envelope::{Channels, Fast, Open, read};
-pub(crate) use self::envelope::{Form, NameKind, form};
+pub(crate) use self::envelope::{Form, NameKind, Names, form};
 use super::coverage::{PartResult, Parts, Share, Tally, Unit};
 use super::flockwave::{FlockwaveChecker, is_flockwave};
 use super::release::{ComparedTopic, ReleaseMatch, release_line, release_matches};
@@ -213,12 +213,7 @@ impl<'d> JsonChecker<'d> {
         let mut checker = Self {
             run,
             plans: Plans::new(&definitions.schema, definitions.types(), &px4::VALUES),
-            channels: Channels {
-                only: None,
-                open: Vec::new(),
-                by_type: HashMap::new(),
-                by_topic: HashMap::new(),
-            },
+            channels: Channels::default(),
             advertised: HashMap::new(),
             skipped: 0,
             has_objects: false,
@@ -243,7 +238,7 @@ impl<'d> JsonChecker<'d> {
         };
         match read(text, &self.channels, &self.plans, &mut self.values) {
             Fast::Clean(at, _) if self.needs_tree(at) => self.explain(text, line, is_last),
-            Fast::Clean(at, clean) => self.message(at, clean, location),
+            Fast::Clean(at, clean) => self.message(at, clean, location, None),
             Fast::Skipped => self.skipped += 1,
             Fast::Undefined(at) => self.undefined(at),
             Fast::Unclear => self.explain(text, line, is_last),
@@ -302,7 +297,7 @@ impl<'d> JsonChecker<'d> {
         if let Fast::Clean(at, clean) = read(text, &self.channels, &self.plans, &mut self.values)
             && !self.needs_tree(at)
         {
-            return self.message(at, clean, location);
+            return self.message(at, clean, location, None);
         }
         self.check_message(at, message, location, which == NameKind::Topic);
     }
@@ -348,7 +343,7 @@ impl<'d> JsonChecker<'d> {
             None
         };
         let observed = decoded.as_ref().map(|(message, _)| message.view());
-        self.message_with(at, Clean { timestamp, dialects }, location, observed);
+        self.message(at, Clean { timestamp, dialects }, location, observed);
     }
 
     /// Counts a message without a definition.
@@ -357,18 +352,8 @@ impl<'d> JsonChecker<'d> {
         self.channels.open[at].tally.records += 1;
     }
 
-    fn message(&mut self, at: usize, clean: Clean, location: Location) {
-        self.message_with(at, clean, location, None);
-    }
-
-    /// Like `message`, with the values of a message that aren't passed to rules.
-    fn message_with(
-        &mut self,
-        at: usize,
-        clean: Clean,
-        location: Location,
-        observed: Option<DynamicView<'_>>,
-    ) {
+    /// Counts a message, and passes it on. `observed` are values that only the observer receives.
+    fn message(&mut self, at: usize, clean: Clean, location: Location, observed: Option<DynamicView<'_>>) {
         self.run.records += 1;
         self.dialects.absorb(clean.dialects);
         let open = &mut self.channels.open[at];

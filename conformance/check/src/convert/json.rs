@@ -2,7 +2,6 @@
 
 mod message;
 
-use std::collections::HashMap;
 use std::io::{BufWriter, Read, Write};
 use std::ops::Range;
 
@@ -20,7 +19,7 @@ use super::plan::{Converted, Converters, Plan};
 use super::report::{Action, Problems, TopicReport};
 use super::topic::Topic;
 use super::{Error, Settings};
-use crate::json::{Form, MAX_CHANNELS, MAX_NAME, NameKind, ROS, form, starts_like_object};
+use crate::json::{Form, MAX_CHANNELS, MAX_NAME, NameKind, Names, ROS, form, starts_like_object};
 use crate::{definition_of, definition_of_json, is_flockwave, is_guess, shows_type};
 
 /// A topic or a type of the capture.
@@ -53,8 +52,7 @@ struct Stream<'p, 'o> {
     problems: Problems,
     converters: Converters<'p>,
     channels: Vec<Channel<'p>>,
-    by_type: HashMap<String, usize>,
-    by_topic: HashMap<String, usize>,
+    names: Names,
     /// True once the first object was read.
     has_objects: bool,
     /// True if a value starts like an object.
@@ -100,8 +98,7 @@ impl<'p, 'o> Stream<'p, 'o> {
             problems: Problems::default(),
             converters: Converters::default(),
             channels: Vec::new(),
-            by_type: HashMap::new(),
-            by_topic: HashMap::new(),
+            names: Names::default(),
             has_objects: false,
             is_json: false,
             is_array: false,
@@ -214,47 +211,36 @@ impl<'p, 'o> Stream<'p, 'o> {
         if name.len() > MAX_NAME {
             return Err(format!("the name of the topic or type is longer than {MAX_NAME} bytes"));
         }
-        let names = match kind {
-            NameKind::Type => &self.by_type,
-            NameKind::Topic => &self.by_topic,
-        };
         let definitions = self.plan.source();
-        let known = names.get(name).copied();
-        if let Some(at) = known {
-            let channel = &self.channels[at];
-            let decides = match evidence {
-                Evidence::Message(_) => !channel.is_decided,
-                Evidence::Type(_) => !channel.is_final,
-                Evidence::Name => false,
-            };
-            if decides {
-                let definition = find((kind, name), evidence, definitions);
-                if definition != channel.definition || !channel.is_decided {
-                    let has_old_name = channel.definition.is_none();
-                    let (messages, copied) = (channel.topic.report.messages, channel.copied);
-                    let mut channel = self.channel((kind, name), evidence, definition);
-                    if has_old_name {
-                        // Lines with the old name have already been copied.
-                        channel.topic.report.renamed = None;
-                    }
-                    channel.topic.report.messages = messages;
-                    self.channels[at] = Channel { copied, ..channel };
-                }
+        let Some(at) = self.names[kind as usize].get(name).copied() else {
+            let at = self.channels.len();
+            if at >= MAX_CHANNELS {
+                return Err(format!("more than {MAX_CHANNELS} topics and types"));
             }
+            let definition = find((kind, name), evidence, definitions);
+            let channel = self.channel((kind, name), evidence, definition);
+            self.channels.push(channel);
+            self.names[kind as usize].insert(name.to_owned(), at);
             return Ok(at);
-        }
-        let at = self.channels.len();
-        if at >= MAX_CHANNELS {
-            return Err(format!("more than {MAX_CHANNELS} topics and types"));
-        }
-        let definition = find((kind, name), evidence, definitions);
-        let channel = self.channel((kind, name), evidence, definition);
-        self.channels.push(channel);
-        let names = match kind {
-            NameKind::Type => &mut self.by_type,
-            NameKind::Topic => &mut self.by_topic,
         };
-        names.insert(name.to_owned(), at);
+        let known = &self.channels[at];
+        let decides = match evidence {
+            Evidence::Message(_) => !known.is_decided,
+            Evidence::Type(_) => !known.is_final,
+            Evidence::Name => false,
+        };
+        let definition = if decides { find((kind, name), evidence, definitions) } else { known.definition };
+        if decides && (definition != known.definition || !known.is_decided) {
+            let has_old_name = known.definition.is_none();
+            let (messages, copied) = (known.topic.report.messages, known.copied);
+            let mut channel = self.channel((kind, name), evidence, definition);
+            if has_old_name {
+                // Lines with the old name have already been copied.
+                channel.topic.report.renamed = None;
+            }
+            channel.topic.report.messages = messages;
+            self.channels[at] = Channel { copied, ..channel };
+        }
         Ok(at)
     }
 

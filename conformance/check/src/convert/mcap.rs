@@ -148,8 +148,11 @@ pub(super) fn convert(
         Writer::new(output, "")?.finish()?;
     }
     let Some(mut stream) = stream else { return Ok((Vec::new(), problems)) };
-    for problem in stream.decide_rest()? {
-        problems.add(format!("byte {bytes}: {problem}"));
+    // The remaining guesses were wrong.
+    for at in 0..stream.channels.len() {
+        if let Some(problem) = stream.decide(at, None)? {
+            problems.add(format!("byte {bytes}: {problem}"));
+        }
     }
     stream.output.finish()?;
     let channels = stream.channels.into_iter().flatten();
@@ -388,15 +391,6 @@ impl<'p, 'o> Stream<'p, 'o> {
             }
         }
         Ok(problem)
-    }
-
-    /// Decides the remaining guesses at the end of the file, as wrong. Returns the problems.
-    fn decide_rest(&mut self) -> Result<Vec<String>, Error> {
-        let mut problems = Vec::new();
-        for at in 0..self.channels.len() {
-            problems.extend(self.decide(at, None)?);
-        }
-        Ok(problems)
     }
 
     /// Copies a metadata record. Returns the problem if it is left out. The index contains the name.

@@ -37,7 +37,7 @@ pub struct ConversionReport {
 }
 
 /// A topic of the capture.
-#[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, Default, Serialize, schemars::JsonSchema)]
 pub struct TopicReport {
     /// The name in the capture.
     pub topic: String,
@@ -62,7 +62,7 @@ pub struct TopicReport {
 }
 
 /// The treatment of a topic.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, schemars::JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Action {
     /// The messages have the type of the target release.
@@ -70,6 +70,7 @@ pub enum Action {
     /// The messages are copied unchanged.
     Copied,
     /// The messages aren't in the output.
+    #[default]
     LeftOut,
 }
 
@@ -165,22 +166,6 @@ impl ConversionReport {
 }
 
 impl TopicReport {
-    /// A topic without messages, which is left out.
-    pub(super) fn new(topic: &str) -> Self {
-        Self {
-            topic: topic.to_owned(),
-            renamed: None,
-            action: Action::LeftOut,
-            from: None,
-            reason: None,
-            messages: 0,
-            unreadable: 0,
-            error: None,
-            losses: Vec::new(),
-            unchecked: Vec::new(),
-        }
-    }
-
     fn write(&self, text: &mut String) {
         let Self { topic, renamed, action, reason, messages, .. } = self;
         let _ = write!(text, "  {:<10} {}", action.text(), shown(topic));

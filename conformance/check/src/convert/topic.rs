@@ -25,30 +25,30 @@ impl<'p> Topic<'p> {
         plan: &Plan,
         settings: Settings,
     ) -> Self {
-        let mut report = TopicReport::new(name);
-        let mut topic = match treatment {
-            Treatment::Convert(converted) => {
-                let losses = vec![0; converted.conversion.losses.len()];
-                report.renamed = plan.renamed(name, converted.conversion);
-                Self { report: TopicReport { from, ..report }, converted: Some(converted), losses }
+        let mut report =
+            TopicReport { topic: name.to_owned(), action: Action::Copied, ..TopicReport::default() };
+        let (mut converted, mut losses) = (None, Vec::new());
+        match treatment {
+            Treatment::Convert(found) => {
+                losses = vec![0; found.conversion.losses.len()];
+                report.renamed = plan.renamed(name, found.conversion);
+                (report.from, report.action) = (from, Action::Converted);
+                converted = Some(found);
             }
-            Treatment::Copy => Self { report, converted: None, losses: Vec::new() },
+            Treatment::Copy => {}
             Treatment::LeaveOut(reason) => {
                 report.reason = Some(reason);
-                Self { report, converted: None, losses: Vec::new() }
+                if !settings.keeps_unconverted {
+                    report.action = Action::LeftOut;
+                }
             }
-        };
-        topic.report.action = match (&topic.converted, &topic.report.reason) {
-            (Some(_), _) => Action::Converted,
-            (None, Some(_)) if !settings.keeps_unconverted => Action::LeftOut,
-            (None, _) => Action::Copied,
-        };
-        topic
+        }
+        Self { report, converted, losses }
     }
 
     /// Creates a topic that is left out.
     pub(super) fn left_out(name: &str, reason: String) -> Self {
-        let report = TopicReport { reason: Some(reason), ..TopicReport::new(name) };
+        let report = TopicReport { topic: name.to_owned(), reason: Some(reason), ..TopicReport::default() };
         Self { report, converted: None, losses: Vec::new() }
     }
 
@@ -65,13 +65,8 @@ impl<'p> Topic<'p> {
     /// Leaves out the messages.
     pub(super) fn leave_out(&mut self, reason: String) {
         self.converted = None;
-        self.report = TopicReport {
-            renamed: None,
-            from: None,
-            reason: Some(reason),
-            action: Action::LeftOut,
-            ..self.report.clone()
-        };
+        (self.report.renamed, self.report.from) = (None, None);
+        (self.report.reason, self.report.action) = (Some(reason), Action::LeftOut);
     }
 
     /// Converts a message with `work`, which receives the conversion and counts the losses. `None` if the message can't be

@@ -62,21 +62,20 @@ pub(super) struct Open {
 }
 
 /// All topics and types in the capture.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Channels {
     /// The channel for all values, if the caller set a type.
     pub(super) only: Option<usize>,
     pub(super) open: Vec<Open>,
-    pub(super) by_type: HashMap<String, usize>,
-    pub(super) by_topic: HashMap<String, usize>,
+    names: Names,
 }
+
+/// The indices of topics and types, by the kind of the name and the name.
+pub(crate) type Names = [HashMap<String, usize>; 2];
 
 impl Channels {
     pub(super) fn get(&self, which: NameKind, name: &str) -> Option<usize> {
-        match which {
-            NameKind::Type => self.by_type.get(name).copied(),
-            NameKind::Topic => self.by_topic.get(name).copied(),
-        }
+        self.names[which as usize].get(name).copied()
     }
 
     /// The channel of a name, if its definition is decided.
@@ -86,11 +85,7 @@ impl Channels {
 
     /// Adds a channel, or replaces an undecided one. Returns its index.
     pub(super) fn insert(&mut self, which: NameKind, name: &str, open: Open) -> usize {
-        let names = match which {
-            NameKind::Type => &mut self.by_type,
-            NameKind::Topic => &mut self.by_topic,
-        };
-        let at = *names.entry(name.to_owned()).or_insert(self.open.len());
+        let at = *self.names[which as usize].entry(name.to_owned()).or_insert(self.open.len());
         match self.open.get_mut(at) {
             Some(known) => *known = Open { tally: known.tally, ..open },
             None => self.open.push(open),
