@@ -71,10 +71,6 @@ pub struct FlockwaveChecker<'d> {
     /// The connection numbers, by connection name.
     connections: HashMap<String, usize>,
     types: Types,
-    /// The connection names, by number.
-    names: Vec<String>,
-    /// The number of the latest record's connection.
-    latest: usize,
 }
 
 /// A message or an event of a connection.
@@ -88,17 +84,6 @@ struct ParsedLine<'h> {
     text: &'h str,
     trial: Option<Trial<'h>>,
     note: Option<&'h str>,
-}
-
-/// A message that is counted.
-struct Counted<'m> {
-    /// The type.
-    name: &'m str,
-    direction: json_type::Direction,
-    is_from_server: bool,
-    /// The number of values in the body.
-    num_values: u64,
-    time: Option<f64>,
 }
 
 /// The content of a record.
@@ -130,8 +115,6 @@ impl<'d> FlockwaveChecker<'d> {
             pieces: Pieces::default(),
             connections: HashMap::new(),
             types: Types::default(),
-            names: Vec::new(),
-            latest: 0,
         }
     }
 
@@ -180,14 +163,8 @@ impl<'d> FlockwaveChecker<'d> {
         self.run.include_time(record.time);
         self.run.records += 1;
         self.source.notifications += 1;
-        let counted = Counted {
-            name: Report::TYPE,
-            direction: json_type::Direction::Notification,
-            is_from_server: true,
-            num_values: Report::NUM_VALUES,
-            time: record.time,
-        };
-        self.count_type(&counted);
+        let direction = json_type::Direction::Notification;
+        self.count_type(&record, Report::TYPE, direction, Report::NUM_VALUES);
         self.run.checked_report(&record, report);
         Ok(())
     }
@@ -306,40 +283,29 @@ impl<'d> FlockwaveChecker<'d> {
             Content::Message(value) if direction == Direction::Out && value.repeats_a_key() => Content::Raw,
             other => other,
         };
-        let index = self.connection(name.unwrap_or_default())?;
-        let connection_name = std::mem::take(&mut self.names[index]);
-        let connection = connection(index, &connection_name);
-        let value = match content {
-            Content::Message(value) => Some(value),
-            Content::Raw | Content::Event => None,
-        };
+        let name = name.unwrap_or_default();
+        let connection = connection(self.connection(name)?, name);
+        let value = if let Content::Message(value) = content { Some(value) } else { None };
         let record = SessionRecord { connection, direction, time, text, value, trial, note, location };
         self.follow_event(&record);
         self.count(&record);
         self.run.session_record(&record);
-        self.names[index] = connection_name;
         Ok(())
     }
 
     /// The number of a connection. A new name gets the next number.
     fn connection(&mut self, name: &str) -> Result<usize, String> {
-        // Consecutive messages usually belong to the same connection.
-        if self.names.get(self.latest).is_some_and(|latest| latest == name) {
-            return Ok(self.latest);
-        }
         if let Some(index) = self.connections.get(name) {
-            self.latest = *index;
             return Ok(*index);
         }
         if name.len() > MAX_NAME {
             return Err(format!("the connection name is longer than {MAX_NAME} bytes"));
         }
-        let index = self.names.len();
+        let index = self.connections.len();
         if index >= MAX_CONNECTIONS {
             return Err(format!("more than {} connections", thousands(MAX_CONNECTIONS)));
         }
         self.connections.insert(name.to_owned(), index);
-        self.names.push(name.to_owned());
         self.source.connections += 1;
         Ok(index)
     }
@@ -392,35 +358,44 @@ impl<'d> FlockwaveChecker<'d> {
             Some(Tree::Object(members)) => members.len() as u64,
             _ => 0,
         };
-        self.count_type(&Counted { name, direction, is_from_server, num_values, time: record.time });
+        self.count_type(record, name, direction, num_values);
     }
 
-    /// Counts a message of a type.
-    fn count_type(&mut self, message: &Counted<'_>) {
-        let Counted { name, direction, is_from_server, num_values, time } = *message;
+    /// Counts a message of a type. Its body has this number of values.
+    fn count_type(
+        &mut self,
+        record: &SessionRecord<'_>,
+        name: &str,
+        direction: json_type::Direction,
+        num_values: u64,
+    ) {
+        let is_from_server = record.direction == Direction::In;
         let Some(counts) = self.types.get(name, self.run.definitions) else {
             return self.source.uncounted += u64::from(is_from_server);
         };
-        *(if is_from_server { &mut counts.messages.incoming } else { &mut counts.messages.out }) += 1;
-        if is_from_server {
-            let found = counts.sent_by_server(direction);
-            found.tally.records += 1;
-            found.tally.count(found.is_checked, time.and_then(microseconds));
-            found.values += num_values;
-            self.run.checked += u64::from(found.is_checked);
+        if !is_from_server {
+            return counts.messages.from_client += 1;
         }
+        counts.messages.from_server += 1;
+        let found = counts.sent_by_server(direction);
+        found.tally.records += 1;
+        found.tally.count(found.is_checked, record.time.and_then(microseconds));
+        found.values += num_values;
+        self.run.checked += u64::from(found.is_checked);
     }
 
     /// Returns the result. `bytes` is the number of bytes read.
     pub fn finish(mut self, bytes: u64) -> CaptureResult {
-        for (index, name) in self.names.iter().enumerate() {
-            self.run.disconnected(connection(index, name), None);
+        let mut connections: Vec<(&String, &usize)> = self.connections.iter().collect();
+        connections.sort_by_key(|(_, index)| **index);
+        for (name, index) in connections {
+            self.run.disconnected(connection(*index, name), None);
         }
         self.reports.report_counted(&mut self.run.findings);
         let parts = self.parts();
-        for (name, counts) in self.types.iter() {
+        for counts in self.types.iter() {
             let types = if counts.is_known { &mut self.source.types } else { &mut self.source.unknown };
-            types.insert(name.clone(), counts.messages);
+            types.push(counts.messages.clone());
         }
         let mut result = self.run.finish(bytes, Summary::Flockwave(self.source), Unit::Type, parts);
         // Envelope rules also check messages without a type.
@@ -430,7 +405,8 @@ impl<'d> FlockwaveChecker<'d> {
 
     fn parts(&self) -> Parts {
         let mut parts = Parts::default();
-        for (name, counts) in self.types.iter() {
+        for counts in self.types.iter() {
+            let name = &counts.messages.name;
             for (direction, found) in counts.directions() {
                 let FromServer { is_checked, tally, values } = *found;
                 let result = if is_checked { PartResult::Checked } else { PartResult::Undefined };

@@ -362,7 +362,8 @@ fn counts_unknown_types_as_unsupported() {
     assert_eq!((result.records, result.checked), (3, 0));
     let source = source(&result);
     assert_eq!((source.requests, source.responses, source.notifications), (2, 2, 1));
-    assert_eq!(source.unknown["SOAR-LIST"], TypeCount { out: 1, incoming: 1 });
+    let list = TypeCount { name: "SOAR-LIST".to_owned(), from_client: 1, from_server: 1 };
+    assert!(source.unknown.contains(&list), "{:?}", source.unknown);
     assert_eq!(source.unknown.len(), 4);
     assert!(source.types.is_empty());
 }
@@ -380,7 +381,8 @@ fn messages_in_an_undefined_direction_do_not_count_as_checked() {
     let expected = [("UAV-LIST".to_owned(), 1, Some(1)), ("UAV-LIST (notification)".to_owned(), 0, Some(1))];
     assert_eq!(parts, expected);
     assert!(!result.coverage.is_full());
-    assert_eq!(source(&result).types["UAV-LIST"], TypeCount { out: 1, incoming: 2 });
+    let list = TypeCount { name: "UAV-LIST".to_owned(), from_client: 1, from_server: 2 };
+    assert!(source(&result).types.contains(&list));
     assert!(source(&result).unknown.is_empty());
 }
 

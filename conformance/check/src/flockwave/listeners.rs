@@ -10,10 +10,7 @@ use uavspec_rules::flockwave::{Check, Message, RULES, SessionCheck, StatusReport
 /// The checks of all rules.
 pub(crate) struct Listeners<'d> {
     definitions: &'d Definitions,
-    /// The checks that receive status reports come first.
     all: Vec<Listener>,
-    /// The number of checks that receive status reports.
-    on_reports: usize,
 }
 
 /// A rule's check, and the number of items that it has checked.
@@ -48,13 +45,7 @@ impl<'d> Listeners<'d> {
                 Listener { rule: &rule.rule, running, coverage: 0 }
             })
         });
-        let sees_reports = |listener: &Listener| {
-            matches!(listener.running, Running::Session(_) | Running::Stateless(Check::StatusReport(_)))
-        };
-        let (mut all, others): (Vec<Listener>, Vec<Listener>) = all.partition(sees_reports);
-        let on_reports = all.len();
-        all.extend(others);
-        Self { definitions, all, on_reports }
+        Self { definitions, all: all.collect() }
     }
 
     /// Passes a record to the checks.
@@ -73,7 +64,7 @@ impl<'d> Listeners<'d> {
     ) {
         let views =
             Views { exchange, message: None, report: Some(StatusReport::checked(exchange, timestamps)) };
-        views.show(&mut self.all[..self.on_reports], self.definitions, findings);
+        views.show(&mut self.all, self.definitions, findings);
     }
 
     /// Notifies the checks of an unreadable part of the capture, which may have contained records.

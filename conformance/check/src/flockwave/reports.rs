@@ -147,7 +147,7 @@ impl<'d> Reports<'d> {
     pub(super) fn read<'l>(&mut self, bytes: &'l [u8]) -> Option<Report<'l>> {
         let states = self.states.as_mut().filter(|_| bytes.len() <= MAX_LINE)?;
         let text = str::from_utf8(bytes).ok()?;
-        let line = match known_line(text, &mut self.lines, states) {
+        let line = match known_line(text, &self.lines, states) {
             Some(line) => line,
             None => new_line(text, &mut self.lines, states).ok()?,
         };
@@ -180,11 +180,7 @@ impl<'d> Reports<'d> {
 }
 
 /// Reads a line in a known form.
-fn known_line<'l>(
-    text: &'l str,
-    forms: &mut Forms<LineValue, ()>,
-    states: &mut States<'_>,
-) -> Option<Line<'l>> {
+fn known_line<'l>(text: &'l str, forms: &Forms<LineValue, ()>, states: &mut States<'_>) -> Option<Line<'l>> {
     let mut line = Line::default();
     let (length, ()) = forms.read(text, |value, rest| {
         let mut tokens = Tokens::new(rest);
@@ -311,7 +307,7 @@ impl<'d> States<'d> {
 
     /// Reads the state of a UAV in a known form. Returns the timestamp and the kind.
     #[inline]
-    fn known_state(&mut self, tokens: &mut Tokens<'_>, uav: &str) -> Option<(i64, usize)> {
+    fn known_state(&self, tokens: &mut Tokens<'_>, uav: &str) -> Option<(i64, usize)> {
         let Self { members, id, timestamp: timestamp_field, .. } = self;
         let mut timestamp = None;
         let (length, kind) = self.forms.read(tokens.rest_text(), |value, rest| match value {

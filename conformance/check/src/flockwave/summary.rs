@@ -1,7 +1,5 @@
 //! The summary of a recorded session.
 
-use std::collections::BTreeMap;
-
 use serde::{Serialize, Serializer};
 use uavspec_model::Location;
 use uavspec_model::json::Tree;
@@ -9,8 +7,6 @@ use uavspec_model::text::{plural, shown, thousands};
 
 use crate::summary::names;
 use crate::{Describe, Line, MAX_LISTED, Totals};
-
-type Types = BTreeMap<String, TypeCount>;
 
 /// The summary of a recorded session.
 #[derive(Clone, Debug, Default, Serialize, schemars::JsonSchema)]
@@ -25,14 +21,11 @@ pub struct FlockwaveSummary {
     /// The number of notifications from the server.
     pub notifications: u64,
     /// The message types that the definitions contain, by name.
-    #[serde(serialize_with = "rows")]
-    #[schemars(with = "Vec<Row>")]
-    pub types: Types,
+    pub types: Vec<TypeCount>,
     /// The message types that the definitions lack, by name. The bodies of such messages aren't checked.
     /// Machine-readable reports list only the types that the server sent.
     #[serde(rename = "unsupported", serialize_with = "rows_of_server")]
-    #[schemars(with = "Vec<Row>")]
-    pub unknown: Types,
+    pub unknown: Vec<TypeCount>,
     /// The number of server messages of unknown types that are counted but not listed by name. These types have too
     /// long a name, or exceed the maximum number of types.
     pub uncounted: u64,
@@ -71,39 +64,26 @@ impl UnreadTimes {
     }
 }
 
-/// The number of messages of a type.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct TypeCount {
-    /// From clients.
-    pub out: u64,
-    /// From the server.
-    pub incoming: u64,
-}
-
 /// A message type with its counts.
-#[derive(Serialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[schemars(rename = "FlockwaveType")]
-struct Row<'t> {
+pub struct TypeCount {
     /// The name, e.g. `UAV-INF`.
-    name: &'t str,
+    pub name: String,
     /// The number of messages that clients sent.
-    from_client: u64,
+    pub from_client: u64,
     /// The number of messages that the server sent.
-    from_server: u64,
+    pub from_server: u64,
 }
 
-impl<'t> Row<'t> {
-    fn new((name, count): (&'t String, &TypeCount)) -> Self {
-        Self { name, from_client: count.out, from_server: count.incoming }
-    }
-
+impl TypeCount {
     fn total(&self) -> u64 {
         self.from_client + self.from_server
     }
 
     fn text(&self) -> String {
         let (from_server, from_client) = (thousands(self.from_server), thousands(self.from_client));
-        format!("{}: {from_server} from the server, {from_client} from clients", shown(self.name))
+        format!("{}: {from_server} from the server, {from_client} from clients", shown(&self.name))
     }
 }
 
@@ -111,24 +91,21 @@ fn count<S: Serializer>(times: &UnreadTimes, serializer: S) -> Result<S::Ok, S::
     times.count.serialize(serializer)
 }
 
-fn rows<S: Serializer>(types: &Types, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_seq(types.iter().map(Row::new))
-}
-
-fn rows_of_server<S: Serializer>(types: &Types, serializer: S) -> Result<S::Ok, S::Error> {
+fn rows_of_server<S: Serializer>(types: &[TypeCount], serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_seq(from_server(types))
 }
 
 /// The types that the server sent. A client may send invalid requests on purpose, so requests aren't checked.
-fn from_server(types: &Types) -> Vec<Row<'_>> {
-    types.iter().map(Row::new).filter(|row| row.from_server > 0).collect()
+fn from_server(types: &[TypeCount]) -> Vec<&TypeCount> {
+    types.iter().filter(|row| row.from_server > 0).collect()
 }
 
 /// The types with the most messages.
-fn frequent(mut rows: Vec<Row<'_>>) -> String {
+fn frequent(types: &[TypeCount]) -> String {
+    let mut rows: Vec<&TypeCount> = types.iter().collect();
     rows.sort_by_key(|row| std::cmp::Reverse(row.total()));
     let reported =
-        rows.iter().take(MAX_LISTED).map(|row| format!("{} {}", shown(row.name), thousands(row.total())));
+        rows.iter().take(MAX_LISTED).map(|row| format!("{} {}", shown(&row.name), thousands(row.total())));
     if rows.is_empty() { "none".to_owned() } else { reported.collect::<Vec<_>>().join(", ") }
 }
 
@@ -145,26 +122,22 @@ impl Describe for FlockwaveSummary {
     }
 
     fn lines(&self) -> Vec<Line> {
-        let text = format!(
-            "{}, the most frequent: {}",
-            self.types.len(),
-            frequent(self.types.iter().map(Row::new).collect())
-        );
-        let details = self.types.iter().map(|one| Row::new(one).text()).collect();
+        let text = format!("{}, the most frequent: {}", self.types.len(), frequent(&self.types));
+        let details = self.types.iter().map(TypeCount::text).collect();
         let mut lines = vec![Line { details, ..Line::new("types", text) }];
         let unsupported = from_server(&self.unknown);
         if !unsupported.is_empty() || self.uncounted > 0 {
-            let messages = unsupported.iter().map(Row::total).sum::<u64>() + self.uncounted;
+            let messages = unsupported.iter().map(|row| row.total()).sum::<u64>() + self.uncounted;
             let mut reported = Vec::new();
             if !unsupported.is_empty() {
-                reported.push(names(unsupported.iter().map(|row| row.name)));
+                reported.push(names(unsupported.iter().map(|row| row.name.as_str())));
             }
             if self.uncounted > 0 {
                 reported.push("types not listed by name".to_owned());
             }
             let reported = reported.join(", ");
             let text = format!("{} without a definition: {reported}", plural(messages, "message"));
-            let details = unsupported.iter().map(Row::text).collect();
+            let details = unsupported.iter().map(|row| row.text()).collect();
             lines.push(Line { details, ..Line::new("unsupported", text) });
         }
         lines.extend(self.unread_times.line());

@@ -1,6 +1,6 @@
 //! The number of messages of each type.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use uavspec_rules::definitions::Definitions;
 use uavspec_schema::json_type::Direction;
@@ -17,12 +17,8 @@ const MAX_NAME: usize = 128;
 /// The counts of all types.
 #[derive(Default)]
 pub(super) struct Types {
-    all: Vec<(String, TypeCounts)>,
-    /// The indices of the types, by name.
-    indices: HashMap<String, usize>,
+    by_name: BTreeMap<String, TypeCounts>,
     num_unknown: usize,
-    /// The index of the latest message's type.
-    latest: usize,
 }
 
 /// The counts of a type.
@@ -51,7 +47,8 @@ impl TypeCounts {
             is_checked: schemas.is_defined(name, direction),
             ..FromServer::default()
         });
-        Self { is_known: schemas.has(name), messages: TypeCount::default(), from_server }
+        let messages = TypeCount { name: name.to_owned(), from_client: 0, from_server: 0 };
+        Self { is_known: schemas.has(name), messages, from_server }
     }
 
     /// The messages that the server sent in a direction.
@@ -69,30 +66,20 @@ impl TypeCounts {
 impl Types {
     /// The counts of a type. Returns `None` if the type isn't counted by name.
     pub(super) fn get(&mut self, name: &str, definitions: &Definitions) -> Option<&mut TypeCounts> {
-        // Consecutive messages usually have the same type.
-        if self.all.get(self.latest).is_none_or(|(latest, _)| latest != name) {
-            self.latest = match self.indices.get(name) {
-                Some(index) => *index,
-                None => self.add(name, definitions)?,
-            };
+        if !self.by_name.contains_key(name) {
+            let counts = TypeCounts::new(name, definitions);
+            let is_known = counts.is_known;
+            if !is_known && (self.num_unknown == MAX_UNKNOWN || name.len() > MAX_NAME) {
+                return None;
+            }
+            self.num_unknown += usize::from(!is_known);
+            self.by_name.insert(name.to_owned(), counts);
         }
-        self.all.get_mut(self.latest).map(|(_, counts)| counts)
+        self.by_name.get_mut(name)
     }
 
-    fn add(&mut self, name: &str, definitions: &Definitions) -> Option<usize> {
-        let counts = TypeCounts::new(name, definitions);
-        let is_known = counts.is_known;
-        if !is_known && (self.num_unknown == MAX_UNKNOWN || name.len() > MAX_NAME) {
-            return None;
-        }
-        self.num_unknown += usize::from(!is_known);
-        let index = self.all.len();
-        self.indices.insert(name.to_owned(), index);
-        self.all.push((name.to_owned(), counts));
-        Some(index)
-    }
-
-    pub(super) fn iter(&self) -> impl Iterator<Item = &(String, TypeCounts)> {
-        self.all.iter()
+    /// The counts of all types, by name.
+    pub(super) fn iter(&self) -> impl Iterator<Item = &TypeCounts> {
+        self.by_name.values()
     }
 }

@@ -121,7 +121,7 @@ fn summaries(text: &str) -> Vec<Summary> {
         let others = vec![OtherRelease { topic: name(), release: name() }];
         vec![ReleaseMatch { release: name(), title: name(), matching: 1, topics: 2, others }]
     };
-    let types = || [(name(), TypeCount { out: 1, incoming: 1 })].into();
+    let types = || vec![TypeCount { name: name(), from_client: 1, from_server: 1 }];
     vec![
         Summary::Log(LogSummary {
             firmware: Some(name()),

@@ -13,11 +13,7 @@ const MAX_TEXT: usize = 4_096;
 
 /// The known forms, each with the properties `P` that all its texts share.
 #[derive(Debug)]
-pub(super) struct Forms<V, P> {
-    known: Vec<(Form<V>, P)>,
-    /// The index of the form that matched last.
-    latest: usize,
-}
+pub(super) struct Forms<V, P>(Vec<(Form<V>, P)>);
 
 /// The values of a text, and the text between them.
 #[derive(Debug)]
@@ -30,7 +26,7 @@ struct Form<V> {
 
 impl<V, P> Default for Forms<V, P> {
     fn default() -> Self {
-        Self { known: Vec::new(), latest: 0 }
+        Self(Vec::new())
     }
 }
 
@@ -40,14 +36,11 @@ impl<V, P: Copy> Forms<V, P> {
     /// Returns the length of the text in this form, and the properties.
     #[inline]
     pub(super) fn read<'t>(
-        &mut self,
+        &self,
         text: &'t str,
         mut value: impl FnMut(&V, &'t str) -> Option<usize>,
     ) -> Option<(usize, P)> {
-        let mut order = (self.latest..self.known.len()).chain(0..self.latest);
-        let (at, length) = order.find_map(|at| Some((at, self.known[at].0.length(text, &mut value)?)))?;
-        self.latest = at;
-        Some((length, self.known[at].1))
+        self.0.iter().find_map(|(form, properties)| Some((form.length(text, &mut value)?, *properties)))
     }
 
     /// Adds the form of a text, which has values at these positions.
@@ -57,7 +50,7 @@ impl<V, P: Copy> Forms<V, P> {
         values: impl Iterator<Item = (Range<usize>, V)>,
         properties: P,
     ) {
-        if self.known.len() == MAX_FORMS {
+        if self.0.len() == MAX_FORMS {
             return;
         }
         let (mut from, mut length) = (0, text.len());
@@ -69,7 +62,7 @@ impl<V, P: Copy> Forms<V, P> {
         });
         let values = values.collect();
         if length <= MAX_TEXT {
-            self.known.push((Form { values, end: text[from..].into() }, properties));
+            self.0.push((Form { values, end: text[from..].into() }, properties));
         }
     }
 }
@@ -113,18 +106,18 @@ mod tests {
         forms.learn(text, digits.map(|(at, _)| (at..at + 1, ())), properties);
     }
 
-    fn read(forms: &mut Forms<(), usize>, text: &str) -> Option<(usize, usize)> {
+    fn read(forms: &Forms<(), usize>, text: &str) -> Option<(usize, usize)> {
         forms.read(text, |(), rest| rest.starts_with(|first: char| first.is_ascii_digit()).then_some(1))
     }
 
     #[test]
     fn only_values_may_differ() {
         let mut forms = Forms::default();
-        assert_eq!(read(&mut forms, "a1,2é"), None);
+        assert_eq!(read(&forms, "a1,2é"), None);
         learn(&mut forms, "a1,2é", 7);
-        assert_eq!(read(&mut forms, "a3,4é, more"), Some(("a3,4é".len(), 7)));
+        assert_eq!(read(&forms, "a3,4é, more"), Some(("a3,4é".len(), 7)));
         for other in ["", "a3", "a3,4", "a3,4e", "a3;4é", "b3,4é", "a3,xé", "a3,,4é"] {
-            assert_eq!(read(&mut forms, other), None, "{other}");
+            assert_eq!(read(&forms, other), None, "{other}");
         }
     }
 
@@ -138,7 +131,7 @@ mod tests {
         learn(&mut forms, &"x".repeat(MAX_TEXT + 1), 0);
         for number in (0..MAX_FORMS + 2).rev() {
             let found = (number < MAX_FORMS).then(|| (text(number).len(), number));
-            assert_eq!(read(&mut forms, &text(number)), found);
+            assert_eq!(read(&forms, &text(number)), found);
         }
     }
 }
