@@ -26,7 +26,7 @@ use uavspec_capture::mcap::OWN;
 use uavspec_dynamic::{DynamicMessage, MessageType};
 use uavspec_model::json::Tree;
 use uavspec_model::text::utf8;
-use uavspec_model::{Detail, Endpoint, Extent, Findings, Location, Message};
+use uavspec_model::{Detail, Extent, Findings, Location, Message};
 use uavspec_px4::comparison::{Comparison, compare_declared};
 use uavspec_px4::json::{Clean, Dialects, MessageOrigin, Plans, decode};
 use uavspec_px4::memory::FieldCounts;
@@ -43,13 +43,13 @@ pub(super) use self::mcap::KIND as MCAP;
 pub use self::mcap::{LiveBag, check_mcap};
 use self::network::Network;
 pub use self::network::{BusEndpoint, BusTopic};
-pub use self::open::{BagChannel, Basis, CheckStatus};
+pub use self::open::{BagChannel, Basis, ChannelResult, CheckStatus};
 use self::open::{Identity, Open, Reading};
 use self::schemas::{ComparedSchema, Schemas};
 pub(super) use self::sqlite::{CopiedFile, ROS1, SQLITE, copy};
 use self::stated::Stated;
 pub use self::summary::{BagSummary, McapSummary};
-use super::coverage::{Parts, Unit};
+use super::coverage::{Parts, Share, Unit};
 use super::release::{ReleaseMatch, release_matches};
 use super::summary::names;
 use super::topic::{confirms, definition_of, is_guess, is_same_type, plain};
@@ -124,17 +124,12 @@ fn has_hash(metadata: &BTreeMap<String, String>) -> bool {
 }
 
 /// A file of a bag.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 struct BagFile<'f> {
     /// The name of the file in a bag of several files; otherwise, empty.
     name: &'f str,
     /// The encodings of the topics' messages that the bag's metadata states.
     encodings: Option<&'f BTreeMap<String, String>>,
-}
-
-impl BagFile<'_> {
-    /// A file without metadata.
-    const SINGLE: Self = Self { name: "", encodings: None };
 }
 
 /// The content of a bag, for its summary.
@@ -230,27 +225,9 @@ impl<'d> Channels<'d> {
         self.run.records
     }
 
-    /// Handles a publisher or subscriber of a live vehicle.
-    fn endpoint(&mut self, endpoint: &Endpoint, location: Location) {
-        self.network.add(endpoint);
-        self.run.endpoint(endpoint, location);
-    }
-
-    /// The findings so far.
-    fn findings(&self) -> &Findings {
-        &self.run.findings
-    }
-
     /// True if parts of the bag can't be read.
     fn has_gaps(&self) -> bool {
         self.run.extent != Extent::Whole
-    }
-
-    /// Counts a message of a channel whose payload can't be read.
-    fn lost(&mut self, index: usize) {
-        if let Some(open) = self.open.get_mut(index) {
-            open.tally.records += 1;
-        }
     }
 
     /// Reports a corrupt part. `file` is the name of a file in a bag of several files; otherwise, it is empty.
@@ -283,7 +260,7 @@ impl<'d> Channels<'d> {
                 }
                 _ => (num_fields, num_fields),
             };
-            open.fields = Some((checked as u64, all as u64).into());
+            open.fields = Some(Share::of(checked as u64, all as u64));
             open.reading = Reading::Json(message_id, shared);
             return self.format(open);
         }
@@ -337,8 +314,8 @@ impl<'d> Channels<'d> {
                 return;
             }
         };
-        if !stated.added().is_empty() {
-            let added = names(stated.added().iter().map(String::as_str));
+        if !stated.added.is_empty() {
+            let added = names(stated.added.iter().map(String::as_str));
             open.remark =
                 Some(format!("the schema lacks {added}, so the built-in definitions of ROS 2 are used"));
         }
@@ -350,8 +327,8 @@ impl<'d> Channels<'d> {
         let is_derived = open.schema.as_ref().is_some_and(|(name, _)| derived_from(&plain(name)).is_some());
         if let Some(hash) = declared.metadata.get(HASH).filter(|hash| !is_derived && is_comparable(hash)) {
             self.run.findings.cover(&px4::HASH_01.rule, 1);
-            if !hash.eq_ignore_ascii_case(stated.type_hash()) {
-                self.report_hash(open, None, stated.type_hash(), hash);
+            if !hash.eq_ignore_ascii_case(&stated.type_hash) {
+                self.report_hash(open, None, &stated.type_hash, hash);
             }
         }
     }
@@ -367,7 +344,7 @@ impl<'d> Channels<'d> {
         }
         self.fields += fields;
         let check = CdrChecker::new(source, definitions);
-        open.fields = Some(check.fields(definitions).into());
+        open.fields = Some(check.fields(definitions));
         Some(check)
     }
 

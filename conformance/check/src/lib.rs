@@ -53,8 +53,8 @@ use uavspec_rules::definitions::{Clues, Definitions, Library};
 use uavspec_schema::MessageId;
 
 pub use self::bag::{
-    BagChannel, BagSummary, Basis, BusEndpoint, BusTopic, CheckStatus, HASH, LiveBag, McapSummary,
-    StatedType, check_mcap, decompressed, digest, stated_type,
+    BagChannel, BagSummary, Basis, BusEndpoint, BusTopic, ChannelResult, CheckStatus, HASH, LiveBag,
+    McapSummary, StatedType, check_mcap, decompressed, digest, stated_type,
 };
 pub use self::clock::Clock;
 use self::coverage::Parts;

@@ -92,14 +92,14 @@ struct Subscribers {
 }
 
 impl Follower {
-    fn check<T>(
-        &mut self,
-        definitions: &Definitions,
-        findings: &mut Findings,
-        check: impl FnOnce(&mut dyn px4::Checker, &mut RuleContext<'_>) -> T,
-    ) -> T {
+    /// The checker, and what it needs.
+    fn parts<'c>(
+        &'c mut self,
+        definitions: &'c Definitions,
+        findings: &'c mut Findings,
+    ) -> (&'c mut dyn px4::Checker, RuleContext<'c>) {
         let Self { rule, checker, coverage } = self;
-        check(&mut **checker, &mut RuleContext { rule, definitions, findings, coverage })
+        (&mut **checker, RuleContext { rule, definitions, findings, coverage })
     }
 }
 
@@ -154,10 +154,8 @@ impl<'d> CheckRun<'d> {
     pub(super) fn opened(&mut self, channel: &Channel<'_>) {
         let mut subscribers = Subscribers::default();
         for (at, follower) in self.followers.iter_mut().enumerate() {
-            let opened = |checker: &mut dyn px4::Checker, context: &mut RuleContext<'_>| {
-                checker.opened(channel, context)
-            };
-            let interest = follower.check(self.definitions, &mut self.findings, opened);
+            let (checker, mut context) = follower.parts(self.definitions, &mut self.findings);
+            let interest = checker.opened(channel, &mut context);
             if interest > Interest::Nothing {
                 subscribers.followers.push(at);
                 subscribers.interest = subscribers.interest.max(interest);
@@ -213,10 +211,8 @@ impl<'d> CheckRun<'d> {
             self.include_timestamp(message.timestamp);
         }
         for at in &self.channels[channel.index].followers {
-            let message = |checker: &mut dyn px4::Checker, context: &mut RuleContext<'_>| {
-                checker.message(channel, message, context);
-            };
-            self.followers[*at].check(self.definitions, &mut self.findings, message);
+            let (checker, mut context) = self.followers[*at].parts(self.definitions, &mut self.findings);
+            checker.message(channel, message, &mut context);
         }
         if let Some(observer) = &mut self.observer {
             let is_known = |time: &u64| *time > 0;
@@ -336,10 +332,8 @@ impl<'d> CheckRun<'d> {
     /// Passes a publisher or subscriber of a live vehicle to the rules.
     pub(super) fn endpoint(&mut self, endpoint: &Endpoint, location: Location) {
         for follower in &mut self.followers {
-            let found = |checker: &mut dyn px4::Checker, context: &mut RuleContext<'_>| {
-                checker.endpoint(endpoint, location, context);
-            };
-            follower.check(self.definitions, &mut self.findings, found);
+            let (checker, mut context) = follower.parts(self.definitions, &mut self.findings);
+            checker.endpoint(endpoint, location, &mut context);
         }
         self.place(location, None);
     }
@@ -422,7 +416,8 @@ impl<'d> CheckRun<'d> {
 
     pub(super) fn finish(mut self, bytes: u64, summary: Summary, unit: Unit, parts: Parts) -> CaptureResult {
         for follower in &mut self.followers {
-            follower.check(self.definitions, &mut self.findings, |checker, context| checker.end(context));
+            let (checker, mut context) = follower.parts(self.definitions, &mut self.findings);
+            checker.end(&mut context);
             self.findings.cover(follower.rule, follower.coverage);
         }
         self.listeners.end(&mut self.findings);

@@ -16,6 +16,7 @@ use uavspec_schema::msg::{Dialect, Kind};
 use uavspec_schema::{Form, MessageId};
 
 use super::Stated;
+use crate::coverage::Share;
 
 /// The maximum size of a decompressed message, in bytes. Uncompressed messages have the same limit.
 const MAX_UNPACKED: u64 = Reader::<&[u8]>::MAX_RECORD;
@@ -26,18 +27,6 @@ pub(super) struct Seen {
     pub(super) timestamp: Option<u64>,
     /// The field values in memory layout, if they are needed.
     pub(super) memory: Option<Vec<u8>>,
-}
-
-/// The encapsulation header of a payload.
-enum Header {
-    /// Plain CDR, which is supported.
-    Plain,
-    /// Another kind of CDR, which isn't supported.
-    Other,
-    /// An unknown kind.
-    Unknown([u8; 2]),
-    /// No header: the payload is too short.
-    Short,
 }
 
 /// The source of the type of a channel's messages.
@@ -102,15 +91,14 @@ impl CdrChecker {
 
     /// The fields that are checked, and all fields of the messages. If the schema in the file differs from the definition,
     /// only the fields that they share are checked.
-    pub(super) fn fields(&self, definitions: &Definitions) -> (u64, u64) {
+    pub(super) fn fields(&self, definitions: &Definitions) -> Share {
         let message_type = self.source.message_type(definitions);
-        match self.source {
+        let num_fields = message_type.fields().len() as u64;
+        let (shared, all) = match self.source {
             TypeSource::Differing(_, id) => shared_fields(message_type, Some(definitions.types().get(id))),
-            TypeSource::Definition(_) | TypeSource::Own(_) => {
-                let num_fields = message_type.fields().len() as u64;
-                (num_fields, num_fields)
-            }
-        }
+            TypeSource::Definition(_) | TypeSource::Own(_) => (num_fields, num_fields),
+        };
+        Share::of(shared, all)
     }
 
     /// True if the messages lack the timestamp that PX4 requires. `None` for messages of other packages, and for services.
@@ -136,21 +124,26 @@ impl CdrChecker {
             let excerpt = || detail.excerpt(hexadecimal(payload));
             findings.report(rule, channel.subject(), location, definition, excerpt);
         };
-        match self.header(payload) {
-            Header::Plain => {}
-            Header::Other => return None,
-            Header::Unknown(found) => {
+        let [first, second, _, _, ..] = *payload else {
+            self.bodies += 1;
+            let expected = format!("a header of {HEADER} bytes");
+            report(&px4::CDR_02.rule, Detail::differs(expected, payload.len()));
+            return None;
+        };
+        self.headers += 1;
+        match (ByteOrder::of(payload), [first, second]) {
+            (Ok(_), _) => self.bodies += 1,
+            // Parameter lists and CDR version 2.
+            (Err(_), [0, 2 | 3 | 6..=0xb]) => {
+                self.others += 1;
+                return None;
+            }
+            (Err(_), found) => {
                 let expected = "00 01 (little endian) or 00 00 (big endian)";
                 report(&px4::CDR_01.rule, Detail::differs(expected, hexadecimal(&found)));
                 return None;
             }
-            Header::Short => {
-                let expected = format!("a header of {HEADER} bytes");
-                report(&px4::CDR_02.rule, Detail::differs(expected, payload.len()));
-                return None;
-            }
         }
-        self.bodies += 1;
         let source = self.source.clone();
         let message = match source.message_type(definitions).decode_cdr(payload) {
             Ok(message) => message,
@@ -173,24 +166,6 @@ impl CdrChecker {
     ) -> Option<DynamicView<'v>> {
         let memory = seen.memory.as_deref()?;
         self.source.message_type(definitions).view_memory(memory).ok()
-    }
-
-    /// Checks the header of a payload.
-    fn header(&mut self, payload: &[u8]) -> Header {
-        let [first, second, _, _, ..] = *payload else {
-            self.bodies += 1;
-            return Header::Short;
-        };
-        self.headers += 1;
-        match (ByteOrder::of(payload), [first, second]) {
-            (Ok(_), _) => Header::Plain,
-            // Parameter lists and CDR version 2.
-            (Err(_), [0, 2 | 3 | 6..=0xb]) => {
-                self.others += 1;
-                Header::Other
-            }
-            (Err(_), found) => Header::Unknown(found),
-        }
     }
 
     fn timestamp_of(&self, message: &DynamicMessage<'_>) -> Option<u64> {

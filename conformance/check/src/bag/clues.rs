@@ -5,6 +5,7 @@ use std::fs::File;
 use std::io::{self, Read, Seek as _, SeekFrom};
 use std::path::Path;
 
+use mcap::records::op;
 use uavspec_capture::MCAP_MAGIC;
 use uavspec_capture::mcap::{ENDPOINT, Event, Item, LIBRARY, OWN, Reader, metadata};
 use uavspec_capture::rosbag::metadata::distribution;
@@ -23,10 +24,6 @@ use crate::topic::{full_name, plain};
 
 /// The maximum number of types.
 const MAX_TYPES: usize = 10_000;
-
-/// The opcodes of metadata records and of their index.
-const METADATA: u8 = 0x0c;
-const METADATA_INDEX: u8 = 0x0d;
 
 /// The maximum length of a metadata record that is read to find the distribution, in bytes.
 const MAX_METADATA: u64 = 4 << 20;
@@ -84,7 +81,7 @@ fn indexed_distribution(path: &Path) -> Option<String> {
     let mut found = None;
     for _ in 0..MAX_TYPES {
         let Some((opcode, length)) = record_head(&mut summary) else { break };
-        if opcode != METADATA_INDEX {
+        if opcode != op::METADATA_INDEX {
             io::copy(&mut (&mut summary).take(length), &mut io::sink()).ok()?;
             continue;
         }
@@ -93,7 +90,7 @@ fn indexed_distribution(path: &Path) -> Option<String> {
         let offset = u64::from_le_bytes(*index.first_chunk()?);
         file.seek(SeekFrom::Start(offset)).ok()?;
         let (_, length) = record_head(&mut file)
-            .filter(|(opcode, length)| *opcode == METADATA && *length <= MAX_METADATA)?;
+            .filter(|(opcode, length)| *opcode == op::METADATA && *length <= MAX_METADATA)?;
         let mut body = Vec::new();
         (&mut file).take(length).read_to_end(&mut body).ok()?;
         found = stated_distribution(&body).or(found);
@@ -203,14 +200,7 @@ fn declarations(input: impl Read) -> Clues {
             _ => {}
         }
     }
-    let found = found.into_clues();
-    for (name, clue) in found.types {
-        clues.types.entry(name).or_insert(clue);
-    }
-    for (name, versions) in found.topic_versions {
-        clues.topic_versions.entry(name).or_default().extend(versions);
-    }
-    clues.formats.extend(found.formats);
+    merge(&mut clues, found.into_clues());
     clues
 }
 
@@ -299,5 +289,5 @@ fn schema_hash(name: &str, text: &[u8]) -> Option<String> {
     if text.is_empty() || derived_from(&plain(name)).is_some() {
         return None;
     }
-    Some(Stated::read(name, text).ok()?.type_hash().to_owned())
+    Some(Stated::read(name, text).ok()?.type_hash)
 }

@@ -154,15 +154,14 @@ fn check_file(
     let FileBytes { start, mut whole, file: own } = open(path, reading)?;
     let whole = &mut whole;
     if (MCAP.detect)(&start) {
-        return Ok(McapFile::new(file.name).read(bag, whole));
+        return Ok(McapFile::named(file.name).read(bag, whole));
     }
     if !(SQLITE.detect)(&start) {
         bag.corruption(file.name, Location::Byte(0), "neither a SQLite nor an MCAP file", Extent::WithGaps);
         return Ok(0);
     }
-    let mut distribution = String::new();
     let mut source = Source { bytes: whole, file: own, copy: None };
-    let read = sqlite::read_source(&mut source, bag, file, &mut distribution);
+    let (read, distribution) = sqlite::read_source(&mut source, bag, file);
     if summary.distribution.is_empty() {
         summary.distribution = distribution;
     }

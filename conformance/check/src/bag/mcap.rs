@@ -29,7 +29,7 @@ pub fn check_mcap(input: impl Read, definitions: &Definitions) -> CaptureResult 
 
 fn check(input: impl Read, run: CheckRun<'_>) -> CaptureResult {
     let mut channels = Channels::new(run);
-    let mut file = McapFile::new("");
+    let mut file = McapFile::default();
     let bytes = file.read(&mut channels, input);
     finish(channels, file, bytes)
 }
@@ -52,7 +52,7 @@ impl<'d> LiveBag<'d> {
     /// A bag without messages.
     pub fn new(definitions: &'d Definitions, observer: Option<&'d mut dyn Observer>) -> Self {
         let channels = Channels::new(CheckRun::observed_by(definitions, observer));
-        Self { channels, file: McapFile::new("") }
+        Self { channels, file: McapFile::default() }
     }
 
     /// Checks a record. Like those in a compressed chunk, it is located by the number of the message.
@@ -63,7 +63,7 @@ impl<'d> LiveBag<'d> {
 
     /// The findings so far.
     pub fn findings(&self) -> &Findings {
-        self.channels.findings()
+        &self.channels.run.findings
     }
 
     /// Finishes the check. `bytes` is the size of the recording.
@@ -73,6 +73,7 @@ impl<'d> LiveBag<'d> {
 }
 
 /// A file that is being read.
+#[derive(Default)]
 pub(super) struct McapFile<'c> {
     /// The name of the file, if it is one of several files in a bag.
     name: &'c str,
@@ -91,17 +92,8 @@ pub(super) struct McapFile<'c> {
 }
 
 impl<'c> McapFile<'c> {
-    pub(super) fn new(name: &'c str) -> Self {
-        Self {
-            name,
-            profile: String::new(),
-            library: String::new(),
-            schemas: HashMap::new(),
-            channels: Vec::new(),
-            claimed: BTreeSet::new(),
-            undeclared: BTreeSet::new(),
-            num_endpoints: 0,
-        }
+    pub(super) fn named(name: &'c str) -> Self {
+        Self { name, ..Self::default() }
     }
 
     /// Checks the readable part of the file. Returns the number of bytes read.
@@ -128,7 +120,7 @@ impl<'c> McapFile<'c> {
         match item.event {
             Event::Header { profile, library } => {
                 // Another file may follow the end of a file. Its ids are its own.
-                *self = Self { num_endpoints: self.num_endpoints, ..Self::new(self.name) };
+                *self = Self { num_endpoints: self.num_endpoints, ..Self::named(self.name) };
                 (self.profile, self.library) = (shortened(&profile), shortened(&library));
             }
             Event::Schema { id, name, encoding, text } => {
@@ -232,7 +224,10 @@ impl<'c> McapFile<'c> {
             ENDPOINT => {
                 self.num_endpoints += 1;
                 match Endpoint::from_values(&values) {
-                    Some(endpoint) => bag.endpoint(&endpoint, Location::Endpoint(self.num_endpoints)),
+                    Some(endpoint) => {
+                        bag.network.add(&endpoint);
+                        bag.run.endpoint(&endpoint, Location::Endpoint(self.num_endpoints));
+                    }
                     None => self.corruption(bag, byte, "invalid values of an endpoint", Extent::WithGaps),
                 }
             }

@@ -3,6 +3,7 @@
 use std::rc::Rc;
 use std::sync::Arc;
 
+use serde::Serialize;
 use uavspec_model::{Channel, Findings, Location};
 use uavspec_px4::comparison::{Comparison, Differences};
 use uavspec_px4::json::{Plans, SharedFields};
@@ -15,29 +16,55 @@ use crate::coverage::{PartResult, Parts, Share, Tally};
 use crate::release::ComparedTopic;
 use crate::topic::topic_of;
 
-/// A channel of a bag.
-#[derive(Clone, Debug)]
+/// A channel, with the result of comparing its schema with the definition.
+#[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
+#[schemars(rename = "McapChannel")]
 pub struct BagChannel {
     /// The topic.
     pub topic: String,
     /// The encoding of the channel's messages, e.g. `cdr`.
     pub encoding: String,
-    /// The name and encoding of the channel's schema, if there is one.
-    pub schema: Option<(String, String)>,
+    /// The name of the channel's schema.
+    pub schema: Option<String>,
+    /// The encoding of the channel's schema, e.g. `ros2msg`.
+    pub schema_encoding: Option<String>,
     /// The number of messages.
     pub messages: u64,
     /// The number of messages in unsupported CDR encodings: parameter lists and CDR version 2.
     pub other_cdr: u64,
-    /// True if both the hash and the schema of the channel differ from the definition.
-    pub has_other_hash: bool,
+    /// The result of comparing the channel's schema with the definition.
+    pub result: ChannelResult,
+    /// The differences, or the reason why there was no comparison; may be empty.
+    pub message: String,
     /// The extent to which the channel was checked.
+    #[serde(skip)]
     pub status: CheckStatus,
-    /// The reason why the channel's schema wasn't used instead of a definition, or a remark on the schema.
-    pub remark: Option<String>,
     /// The release of the definition that the messages were checked against, such as `px4@1.16`.
+    #[serde(skip)]
     pub release: Option<String>,
     /// The mean number of messages per second, with three decimals.
+    #[serde(skip)]
     pub rate: Option<f64>,
+}
+
+/// The result of comparing the schema of a channel with its definition.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum ChannelResult {
+    /// The fields have the same types and the same order.
+    Equal,
+    /// Something differs.
+    Differs,
+    /// There is no comparable schema. The schema name or the topic identifies the definition.
+    #[serde(rename = "by name")]
+    ByName,
+    /// There is no known definition for the channel. Its messages were checked against its own schema.
+    #[serde(rename = "own schema")]
+    OwnSchema,
+    /// There is no known definition for the channel.
+    Undefined,
+    /// The channel's messages are neither CDR nor JSON.
+    Unsupported,
 }
 
 /// The extent to which a channel was checked.
@@ -150,8 +177,10 @@ pub(super) struct Open {
     pub(super) tally: Tally,
     /// The fields that the messages and the definition share, if the messages are read.
     pub(super) fields: Option<Share>,
+    /// True if both the hash and the schema of the channel differ from the definition.
     pub(super) has_other_hash: bool,
     pub(super) status: CheckStatus,
+    /// The reason why the channel's schema wasn't used instead of a definition, or a remark on the schema.
     pub(super) remark: Option<String>,
 }
 
@@ -225,6 +254,24 @@ impl Open {
         self.status.differences()
     }
 
+    /// The result of the comparison with the definition, and the differences, or the reason why there was no comparison.
+    fn result(&self) -> (ChannelResult, String) {
+        let remark = || self.remark.clone().unwrap_or_default();
+        match &self.status {
+            CheckStatus::Checked(Basis::Compared(comparison)) => match &**comparison {
+                Comparison::Differs(differences) => {
+                    let hash = if self.has_other_hash { "; its hash differs as well" } else { "" };
+                    (ChannelResult::Differs, format!("{differences}{hash}"))
+                }
+                Comparison::Equal | Comparison::Undefined => (ChannelResult::Equal, String::new()),
+            },
+            CheckStatus::Checked(basis) => (ChannelResult::ByName, basis.problem().unwrap_or_default()),
+            CheckStatus::OwnSchema => (ChannelResult::OwnSchema, remark()),
+            CheckStatus::Undefined => (ChannelResult::Undefined, remark()),
+            CheckStatus::Unsupported => (ChannelResult::Unsupported, String::new()),
+        }
+    }
+
     /// Adds the coverage of rules, and returns the summary.
     pub(super) fn close(
         self,
@@ -235,6 +282,7 @@ impl Open {
     ) -> BagChannel {
         let Tally { records, decoded, checked, .. } = self.tally;
         let release = self.identity.definition.and_then(|id| definitions.release_of(id));
+        let (channel_result, message) = self.result();
         let mut other_cdr = 0;
         match (self.reading, plans) {
             (Reading::Cdr(check), _) => other_cdr = check.close(findings),
@@ -257,15 +305,17 @@ impl Open {
             self.tally,
             self.fields.unwrap_or_default().times(checked, records),
         );
+        let (schema, schema_encoding) = self.schema.unzip();
         BagChannel {
             topic: self.identity.topic,
             encoding: self.encoding,
-            schema: self.schema,
+            schema,
+            schema_encoding,
             messages: records,
             other_cdr,
-            has_other_hash: self.has_other_hash,
+            result: channel_result,
+            message,
             status: self.status,
-            remark: self.remark,
             release: release.map(|release| release.label.clone()),
             rate: self.tally.rate(),
         }

@@ -170,7 +170,7 @@ fn types(name: &str, text: &[u8], message_id: MessageId, definitions: &Definitio
         Err(error) => Basis::Unreadable(error).into(),
         Ok(stated) => {
             let comparison = compare_declared(stated.root(), definitions.types().get(message_id));
-            let (differs, version) = (comparison != Comparison::Equal, stated.version());
+            let (differs, version) = (comparison != Comparison::Equal, stated.version);
             ComparedSchema {
                 stated: differs.then(|| Rc::new(stated)),
                 version,

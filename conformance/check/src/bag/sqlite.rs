@@ -36,28 +36,28 @@ pub(crate) const ROS1: Kind = Kind {
 /// Checks the readable part of a `SQLite` file.
 fn check_sqlite(mut source: Source<'_>, run: CheckRun<'_>) -> CaptureResult {
     let mut bag = Channels::new(run);
-    let mut summary = BagSummary { storage: "sqlite3".to_owned(), num_files: 1, ..BagSummary::default() };
-    let bytes = read_source(&mut source, &mut bag, BagFile::SINGLE, &mut summary.distribution);
+    let (bytes, distribution) = read_source(&mut source, &mut bag, BagFile::default());
+    let summary =
+        BagSummary { storage: "sqlite3".to_owned(), distribution, num_files: 1, ..Default::default() };
     bag.finish(bytes, |BagContent { channels, dialects, releases, .. }| {
         Summary::Bag(BagSummary { channels, dialects, releases, ..summary })
     })
 }
 
-/// Checks the readable part of a `SQLite` file. Returns the size of the file.
+/// Checks the readable part of a `SQLite` file. Returns the size of the file, and the ROS distribution that it states.
 pub(super) fn read_source(
     source: &mut Source<'_>,
     bag: &mut Channels<'_>,
     file: BagFile<'_>,
-    distribution: &mut String,
-) -> u64 {
+) -> (u64, String) {
     if let Some(path) = source.file {
-        return read(path, &|| source.copy.iter().for_each(|copy| copy.hide()), bag, file, distribution);
+        return read(path, &|| source.copy.iter().for_each(|copy| copy.hide()), bag, file);
     }
     let (copy, problem) = copy(source);
     if let Some((location, text)) = problem {
         bag.corruption(file.name, location, &text, Extent::Unreadable);
     }
-    copy.map_or(0, |copy| read(copy.path(), &|| copy.hide(), bag, file, distribution))
+    copy.map(|copy| read(copy.path(), &|| copy.hide(), bag, file)).unwrap_or_default()
 }
 
 /// A copy of a file in the folder for temporary files. If the run is killed, the next run removes the copy.
@@ -104,14 +104,9 @@ pub(crate) fn copy(source: &mut dyn Read) -> (Option<CopiedFile>, Option<(Locati
     (Some(copy), None)
 }
 
-/// Reads a file, and calls `on_open` when it is open. Returns the size of the file.
-fn read(
-    path: &Path,
-    on_open: &dyn Fn(),
-    bag: &mut Channels<'_>,
-    file: BagFile<'_>,
-    distribution: &mut String,
-) -> u64 {
+/// Reads a file, and calls `on_open` when it is open. Returns the size of the file, and the ROS distribution that it states.
+fn read(path: &Path, on_open: &dyn Fn(), bag: &mut Channels<'_>, file: BagFile<'_>) -> (u64, String) {
+    let mut distribution = String::new();
     let size = fs::metadata(path).map_or(0, |metadata| metadata.len());
     let mut reading = reading::SqliteFile::new(bag, file);
     match uavspec_capture::rosbag::sqlite::Bag::open(path) {
@@ -120,12 +115,12 @@ fn read(
             for problem in problems {
                 reading.report(Err(problem));
             }
-            *distribution = database.distribution();
+            distribution = database.distribution();
             reading.read(&database);
         }
         Err(problem) => reading.report(Err(problem)),
     }
-    size
+    (size, distribution)
 }
 
 #[cfg(all(test, unix))]

@@ -29,9 +29,12 @@ const NO_PACKAGE: &str = "unnamed";
 pub(super) struct Stated {
     types: Types,
     root: MessageId,
-    type_hash: String,
-    version: Option<u32>,
-    added: Vec<String>,
+    /// The ROS type hash.
+    pub(super) type_hash: String,
+    /// The value of `MESSAGE_VERSION`, if it is defined.
+    pub(super) version: Option<u32>,
+    /// The names of the types that the schema lacks, and that were taken from the built-in definitions.
+    pub(super) added: Vec<String>,
 }
 
 impl Stated {
@@ -80,21 +83,6 @@ impl Stated {
             Some(defect) => Err(format!("it {defect}")),
             None => Ok(stated),
         }
-    }
-
-    /// The names of the types that the schema lacks, and that were taken from the built-in definitions.
-    pub(super) fn added(&self) -> &[String] {
-        &self.added
-    }
-
-    /// The ROS type hash.
-    pub(super) fn type_hash(&self) -> &str {
-        &self.type_hash
-    }
-
-    /// The value of `MESSAGE_VERSION`, if it is defined.
-    pub(super) fn version(&self) -> Option<u32> {
-        self.version
     }
 
     /// The type of the schema.

@@ -8,9 +8,9 @@ use std::sync::OnceLock;
 use uavspec_check::convert::{Action as Treated, ConversionReport, Loss, TopicReport};
 use uavspec_check::timeline::{Texts, Timeline};
 use uavspec_check::{
-    BagChannel, BusEndpoint, BusTopic, CheckStatus, Coverage, FlockwaveSummary, JsonSummary, LogSummary,
-    McapSummary, OtherRelease, Part, ReleaseMatch, Summary, TypeCount, UnknownSummary, UnreadTimes,
-    check_capture,
+    BagChannel, BusEndpoint, BusTopic, ChannelResult, CheckStatus, Coverage, FlockwaveSummary,
+     JsonSummary, LogSummary, McapSummary, OtherRelease, Part, ReleaseMatch, Summary, TypeCount,
+    UnknownSummary, UnreadTimes, check_capture,
 };
 use uavspec_model::{Excuse, ExcuseKind, Location, Reason};
 use uavspec_probe::RequestType;
@@ -95,15 +95,16 @@ fn request() -> RequestType {
 /// A summary of each kind.
 fn summaries(text: &str) -> Vec<Summary> {
     let name = || text.to_owned();
-    let channel = |status| BagChannel {
+    let channel = |result| BagChannel {
         topic: name(),
         encoding: name(),
-        schema: Some((name(), name())),
+        schema: Some(name()),
+        schema_encoding: Some(name()),
         messages: 1,
         other_cdr: 1,
-        has_other_hash: false,
-        remark: Some(name()),
-        status,
+        result,
+        message: name(),
+        status: CheckStatus::Undefined,
         release: Some(name()),
         rate: Some(1.0),
     };
@@ -141,7 +142,7 @@ fn summaries(text: &str) -> Vec<Summary> {
         Summary::Mcap(McapSummary {
             profile: name(),
             library: name(),
-            channels: vec![channel(CheckStatus::Undefined), channel(CheckStatus::Unsupported)],
+            channels: vec![channel(ChannelResult::Undefined), channel(ChannelResult::Unsupported)],
             dialects: Dialects::default(),
             releases: releases(),
             bus: vec![bus()],

@@ -12,24 +12,15 @@ use crate::bag::{BagFile, Channels, Declared, HASH};
 
 /// The types of the topics, by the type whose definition also defines them. The definition of a service or an action
 /// defines all types that ROS 2 derives from it. The flag is true if a topic of the type has no hash.
-struct TopicTypes<'t>(BTreeMap<&'t str, BTreeMap<&'t str, bool>>);
-
-impl<'t> TopicTypes<'t> {
-    fn new(topics: &'t [Topic]) -> Self {
-        let mut types = Self(BTreeMap::new());
-        for Topic { ty, hash, .. } in topics {
-            let origin = derived_from(ty).map(|(_, origin)| origin);
-            for defined in [Some(ty.as_str()), origin].into_iter().flatten() {
-                *types.0.entry(defined).or_default().entry(ty).or_default() |= hash.is_empty();
-            }
+fn types_of(topics: &[Topic]) -> BTreeMap<&str, BTreeMap<&str, bool>> {
+    let mut types: BTreeMap<&str, BTreeMap<&str, bool>> = BTreeMap::new();
+    for Topic { ty, hash, .. } in topics {
+        let origin = derived_from(ty).map(|(_, origin)| origin);
+        for defined in [Some(ty.as_str()), origin].into_iter().flatten() {
+            *types.entry(defined).or_default().entry(ty).or_default() |= hash.is_empty();
         }
-        types
     }
-
-    /// The types that a definition defines.
-    fn of(&self, ty: &str) -> impl Iterator<Item = (&'t str, bool)> {
-        self.0.get(ty).into_iter().flatten().map(|(ty, lacks_hash)| (*ty, *lacks_hash))
-    }
+    types
 }
 
 /// A file that is being read.
@@ -63,10 +54,10 @@ impl<'c, 'd> SqliteFile<'c, 'd> {
         let mut topics = Vec::new();
         let result = database.topics(|topic| topics.push(topic));
         self.report(result);
-        let types = TopicTypes::new(&topics);
+        let types = types_of(&topics);
         let result = database.definitions(|definition| {
-            for (ty, lacks_hash) in types.of(&definition.ty) {
-                let is_verified = lacks_hash && has_its_hash(&definition);
+            for (ty, lacks_hash) in types.get(definition.ty.as_str()).into_iter().flatten() {
+                let is_verified = *lacks_hash && has_its_hash(&definition);
                 self.definition(ty, &definition, is_verified);
             }
         });
@@ -132,7 +123,7 @@ impl<'c, 'd> SqliteFile<'c, 'd> {
         match (self.channels.get(&topic), payload) {
             (Some(channel), Ok(payload)) => self.bag.message(*channel, time, payload, location),
             (Some(channel), Err(problem)) => {
-                self.bag.lost(*channel);
+                self.bag.open[*channel].tally.records += 1;
                 self.gap(location, &problem);
             }
             (None, _) => {
