@@ -8,7 +8,7 @@ use super::error::{Defect, Error, Reason};
 use super::plan::{Field, Plan};
 
 /// All message types in a schema or a log.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Types {
     pub(super) plans: Vec<Plan>,
     /// Indexes of `plans`, sorted by package and name.

@@ -6,16 +6,18 @@
 //! Lines, in which an invalid line doesn't affect the other lines.
 
 use std::fmt;
-use std::io::{self, ErrorKind, Read};
+use std::io::{self, Read};
 
 use uavspec_model::Extent;
 use uavspec_model::json::Frame;
 
+use crate::window::Window;
+
 /// The maximum length of a value, in bytes. Real messages are much shorter.
 pub const MAX_LENGTH: usize = 16 << 20;
 
-/// The minimum number of bytes to read at a time.
-const CHUNK: usize = 1 << 16;
+/// The initial size of the buffer, in bytes.
+const CAPACITY: usize = 1 << 16;
 
 /// The byte order mark in UTF-8.
 const BOM: &[u8] = b"\xef\xbb\xbf";
@@ -102,17 +104,11 @@ enum Mode {
 /// Splits input into values.
 #[derive(Debug)]
 pub struct Reader<R> {
-    input: R,
-    buffer: Vec<u8>,
-    /// The index of the first byte that hasn't been returned yet.
-    start: usize,
-    /// The end of the data in the buffer.
-    end: usize,
+    /// The cursor is at the first byte that hasn't been returned yet.
+    window: Window<R>,
     mode: Option<Mode>,
-    /// The line at `start`.
+    /// The line at the cursor.
     line: u64,
-    /// The number of bytes read.
-    read: u64,
     /// The last byte that was read.
     last: Option<u8>,
     /// The next expected item of an array.
@@ -134,22 +130,12 @@ enum Next {
 impl<R: Read> Reader<R> {
     /// Creates a reader at the start of the input.
     pub fn new(input: R) -> Self {
-        Self {
-            input,
-            buffer: Vec::new(),
-            start: 0,
-            end: 0,
-            mode: None,
-            line: 1,
-            read: 0,
-            last: None,
-            next: Next::First,
-        }
+        Self { window: Window::new(input, CAPACITY), mode: None, line: 1, last: None, next: Next::First }
     }
 
     /// The number of bytes read.
     pub fn bytes(&self) -> u64 {
-        self.read
+        self.window.offset() + self.rest().len() as u64
     }
 
     /// The number of lines read so far.
@@ -177,29 +163,15 @@ impl<R: Read> Reader<R> {
     }
 
     fn rest(&self) -> &[u8] {
-        &self.buffer[self.start..self.end]
+        self.window.ahead()
     }
 
-    /// Discards the data that was already returned, and reads more. Returns false at the end of the input.
+    /// Reads more. Returns false at the end of the input.
     fn fill(&mut self) -> io::Result<bool> {
-        self.buffer.copy_within(self.start..self.end, 0);
-        self.end -= self.start;
-        self.start = 0;
-        // Read larger values in larger pieces, to limit the cost of moving data.
-        let room = self.end + CHUNK.max(self.end.min(MAX_LENGTH));
-        if self.buffer.len() < room {
-            self.buffer.resize(room, 0);
-        }
-        let read = loop {
-            match self.input.read(&mut self.buffer[self.end..room]) {
-                Err(error) if error.kind() == ErrorKind::Interrupted => {}
-                read => break read?,
-            }
-        };
-        self.end += read;
-        self.read += read as u64;
+        // Reads larger values in larger pieces, to limit the cost of moving data.
+        let has_read = self.window.read(2 * self.rest().len() + 1)?;
         self.last = self.rest().last().copied().or(self.last);
-        Ok(read > 0)
+        Ok(has_read)
     }
 
     /// Consumes bytes.
@@ -210,7 +182,7 @@ impl<R: Read> Reader<R> {
     /// Consumes `count` bytes, which contain `lines` newlines.
     fn take_lines(&mut self, count: usize, lines: u64) {
         self.line += lines;
-        self.start += count;
+        self.window.advance(count);
     }
 
     fn begins_with_mark(&mut self) -> io::Result<bool> {
@@ -270,12 +242,12 @@ impl<R: Read> Reader<R> {
             seen = self.rest().len();
             if seen > MAX_LENGTH {
                 skipped += seen as u64;
-                self.start += seen;
+                self.window.advance(seen);
                 seen = 0;
             }
             if !self.fill()? {
                 if skipped == 0 && self.rest().trim_ascii().is_empty() {
-                    self.start = self.end;
+                    self.window.advance(self.rest().len());
                     return Ok(None);
                 }
                 break (self.rest().len(), true);
@@ -288,8 +260,7 @@ impl<R: Read> Reader<R> {
 
     /// Returns the most recently consumed bytes, or a problem if the value was too long.
     fn lend(&self, line: u64, count: usize, skipped: u64, is_last: bool) -> Item<'_> {
-        let start = self.start - count;
-        let bytes = self.buffer[start..self.start].trim_ascii();
+        let bytes = self.window.behind(count).trim_ascii();
         if skipped > 0 || bytes.len() > MAX_LENGTH {
             let length = skipped + bytes.len() as u64;
             return problem(line, Problem::TooLong { length });

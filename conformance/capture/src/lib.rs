@@ -11,6 +11,7 @@ pub mod mcap;
 pub mod names;
 pub mod rosbag;
 pub mod ulog;
+mod window;
 
 /// The first bytes of MCAP files.
 pub use self::mcap::MAGIC as MCAP_MAGIC;

@@ -72,7 +72,6 @@
 //! input at 20 MB/s. At 4,727 places in real logs, a bit was flipped or 25 to 30 bytes were overwritten. Each change
 //! caused the loss of 1.2 messages on average. In the worst of 450 runs, the average was below three.
 
-mod formats;
 mod kind;
 mod log;
 mod log_problem;
@@ -80,11 +79,9 @@ mod message;
 mod problem;
 mod reader;
 mod resync;
-mod window;
 
-pub use self::formats::{FormatCache, FormatSet};
 pub use self::log::{Log, Record, Subscription};
 pub use self::log_problem::LogProblem;
 pub use self::message::Event;
 pub use self::problem::{Malformation, Problem, Resync};
-pub use self::reader::{Data, Item, Reader};
+pub use self::reader::{Item, Reader};

@@ -131,12 +131,6 @@ pub(super) struct Parts {
     empty: BTreeSet<String>,
 }
 
-impl From<(u64, u64)> for Share {
-    fn from((checked, total): (u64, u64)) -> Self {
-        Self::of(checked, total)
-    }
-}
-
 impl Share {
     /// A share of a known total.
     pub fn of(checked: u64, total: u64) -> Self {

@@ -40,7 +40,7 @@ pub(crate) const ROS: &str = "ros2msg";
 pub(super) const KIND: Kind = Kind {
     name: "JSON",
     detect: |start| !is_binary(&start[..start.len().min(MAX_START)]),
-    clues: |source, _| clues::clues(source),
+    clues: clues::clues,
     check: |input, message_id, run| check_with(input, message_id, JsonChecker::new(message_id, run)),
 };
 

@@ -46,7 +46,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 use uavspec_capture::foreign;
-use uavspec_capture::input::{self, Failure, FileState, Input, Object};
+use uavspec_capture::input::{self, Failure, FileState, Input};
 use uavspec_capture::rosbag::metadata;
 use uavspec_model::{Extent, Findings, Location};
 use uavspec_rules::definitions::{Clues, Definitions, Library};
@@ -64,7 +64,7 @@ pub use self::flockwave::FlockwaveChecker;
 pub(crate) use self::flockwave::is_flockwave;
 pub use self::flockwave::{FlockwaveSummary, TypeCount, UnreadTimes};
 pub use self::json::{JsonSummary, check_json};
-pub use self::log::{LogSummary, check_ulog};
+pub use self::log::{Format, FormatResult, LogSummary, check_ulog};
 pub use self::observer::Observer;
 pub use self::open::{Opened, open_path};
 use self::release::Ahead;
@@ -89,7 +89,7 @@ struct Kind {
     /// True if a capture of this kind can start with these bytes.
     detect: fn(&[u8]) -> bool,
     /// Finds the facts that show the release of a capture. Reads as much of the capture as necessary.
-    clues: fn(&mut Source<'_>, &Library) -> Clues,
+    clues: fn(&mut Source<'_>) -> Clues,
     /// Checks the readable part of a capture of this kind.
     check: fn(Source<'_>, Option<MessageId>, CheckRun<'_>) -> CaptureResult,
 }
@@ -120,14 +120,8 @@ pub fn choose_for_recording(path: &Path, library: &Library) -> io::Result<Arc<De
 
 /// Chooses the definitions for a file, like [`check_path`].
 pub fn choose_for_path(path: &Path, library: &Library) -> io::Result<Arc<Definitions>> {
-    if !library.depends_on_capture() {
-        return Ok(Arc::clone(library.base()));
-    }
-    let mut file = File::open(path)?;
-    let start = read_start(&mut file)?;
-    let kind = KINDS.iter().find(|kind| (kind.detect)(&start));
-    let bytes = &mut io::Cursor::new(start).chain(file);
-    Ok(kind.map_or_else(|| Arc::clone(library.base()), |kind| choose(kind, bytes, Some(path), library).0))
+    let opened = open_path(path, library, &|input| input)?;
+    Ok(opened.map_or_else(|_| Arc::clone(library.base()), |opened| opened.definitions))
 }
 
 /// Wraps an input before it is read, for example to show the progress.
@@ -305,24 +299,10 @@ pub fn check_path(
     check_path_with(path, message_id, library, None, reading)
 }
 
-/// Like [`check_path`], for an object in an object store, and also passes the records to an observer.
+/// Like [`check_path`], for any input, and also passes the records to an observer.
 ///
 /// # Errors
-/// Fails if the object can't be read completely.
-fn check_object(
-    object: &dyn Object,
-    message_id: Option<MessageId>,
-    library: &Library,
-    observer: Option<&mut dyn Observer>,
-    reading: Reading<'_>,
-) -> io::Result<Checked> {
-    let failure = Failure::default();
-    let input = reading(object.open(&failure)?);
-    let checked = check_stream(input, None, message_id, library, observer);
-    failure.take().map_or(Ok(checked), |problem| Err(io::Error::other(problem)))
-}
-
-/// Like [`check_path`], for any input, and also passes the records to an observer.
+/// Fails if an object in an object store can't be read completely.
 pub fn check_input(
     input: &Input,
     message_id: Option<MessageId>,
@@ -332,7 +312,12 @@ pub fn check_input(
 ) -> io::Result<Checked> {
     match input {
         Input::Path(path) => check_path_with(path, message_id, library, observer, reading),
-        Input::Object(object) => check_object(&**object, message_id, library, observer, reading),
+        Input::Object(object) => {
+            let failure = Failure::default();
+            let input = reading(object.open(&failure)?);
+            let checked = check_stream(input, None, message_id, library, observer);
+            failure.take().map_or(Ok(checked), |problem| Err(io::Error::other(problem)))
+        }
         Input::Bytes(_, bytes) => {
             let bytes = reading(Box::new(io::Cursor::new(Arc::clone(bytes))));
             Ok(check_stream(bytes, None, message_id, library, observer))
@@ -394,21 +379,13 @@ fn check_stream(
     observer: Option<&mut dyn Observer>,
 ) -> Checked {
     let checked = input::decompressed(input).and_then(|(mut bytes, is_plain)| {
-        if let Some(file) = file.filter(|_| is_plain) {
-            return check_with(
-                Source { bytes: &mut bytes, file: Some(file), copy: None },
-                message_id,
-                library,
-                observer,
-            );
-        }
-        let start = read_start(&mut bytes)?;
-        let is_sqlite = (bag::SQLITE.detect)(&start);
+        let (file, start) = (file.filter(|_| is_plain), read_start(&mut bytes)?);
+        let is_copied = file.is_none() && (bag::SQLITE.detect)(&start);
         let whole = &mut io::Cursor::new(start).chain(bytes);
-        if is_sqlite {
+        if is_copied {
             return check_copy(whole, library, observer);
         }
-        check_with(Source { bytes: whole, file: None, copy: None }, message_id, library, observer)
+        check_with(Source { bytes: whole, file, copy: None }, message_id, library, observer)
     });
     checked.unwrap_or_else(|error| {
         let result = CaptureResult::unknown(format!("the file can't be read: {error}"));
@@ -450,7 +427,7 @@ fn choose(
         return (library.choose(&Clues::default()), Vec::new());
     }
     let mut ahead = Ahead::new(bytes);
-    let clues = (kind.clues)(&mut Source { bytes: &mut ahead, file, copy: None }, library);
+    let clues = (kind.clues)(&mut Source { bytes: &mut ahead, file, copy: None });
     (library.choose(&clues), ahead.bytes)
 }
 

@@ -4,19 +4,19 @@ use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::Read;
-use std::sync::Arc;
+use std::rc::Rc;
 
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 use uavspec_capture::input::UpToError;
-use uavspec_capture::ulog::{Data, Event, FormatSet, Item, Log, LogProblem, Problem, Reader, Record};
+use uavspec_capture::ulog::{Event, Item, Log, LogProblem, Problem, Reader, Record};
 use uavspec_capture::{ENCRYPTED_MAGIC, ULOG_MAGIC};
 use uavspec_dynamic::{FormatProblem, MessageType};
+use uavspec_lint::release::LayoutHashes;
 use uavspec_model::text::{plural, shown};
 use uavspec_model::{Channel, Detail, Extent, Findings, Location, Message, Rule, SubjectName};
 use uavspec_px4::comparison::{Comparison, compare};
-use uavspec_px4::format_plan::{FormatPlan, FormatPlans};
-use uavspec_px4::memory::time_offset;
-use uavspec_rules::definitions::{Clues, Definitions, FormatClue, Library};
+use uavspec_px4::memory::{FieldCounts, Plan, shared_fields, time_offset};
+use uavspec_rules::definitions::{Clues, Definitions, FormatClue};
 use uavspec_rules::px4;
 use uavspec_schema::MessageId;
 
@@ -27,10 +27,10 @@ use super::{CaptureResult, CheckRun, Describe, Kind, Line, Summary, Totals, has_
 pub(super) const KIND: Kind = Kind {
     name: "ULog",
     detect: |start| has_magic(start, &ULOG_MAGIC),
-    clues: |source, library| match source.file.and_then(|path| File::open(path).ok()) {
+    clues: |source| match source.file.and_then(|path| File::open(path).ok()) {
         // Bytes that aren't read needn't be kept for the check.
-        Some(file) => clues(file, library),
-        None => clues(&mut *source.bytes, library),
+        Some(file) => clues(file),
+        None => clues(&mut *source.bytes),
     },
     check: |input, _, run| check_log(input, run),
 };
@@ -39,13 +39,17 @@ pub(super) const KIND: Kind = Kind {
 pub(super) const ENCRYPTED: Kind = Kind {
     name: "ULog",
     detect: |start| start.starts_with(&ENCRYPTED_MAGIC),
-    clues: |_, _| Clues::default(),
+    clues: |_| Clues::default(),
     check: |_, _, _| CaptureResult::unknown(ENCRYPTED_TEXT),
 };
 
 /// The reason why an encrypted log can't be read.
 pub(super) const ENCRYPTED_TEXT: &str = "an encrypted PX4 log (.ulge): decrypt it with its key first; see \
                                          https://docs.px4.io/main/en/dev_log/log_encryption";
+
+/// The maximum number of fields in the formats whose values are checked, with the fields of each nested message. Real logs
+/// have a few thousand. Without a limit, nested arrays could multiply the fields indefinitely.
+const MAX_FIELDS: usize = 1 << 16;
 
 /// The summary of a log.
 #[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
@@ -58,26 +62,24 @@ pub struct LogSummary {
     /// The releases that the formats were compared with.
     pub releases: Vec<ReleaseMatch>,
     /// The topics by name, each compared with its definition.
-    #[serde(serialize_with = "format_rows")]
-    #[schemars(with = "Vec<Format>")]
-    pub formats: Vec<(String, Comparison)>,
+    pub formats: Vec<Format>,
 }
 
 /// The format of a topic, compared with its definition.
-#[derive(Serialize, schemars::JsonSchema)]
-struct Format<'f> {
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
+pub struct Format {
     /// The topic.
-    topic: &'f str,
+    pub topic: String,
     /// The result of the comparison.
-    result: FormatResult,
+    pub result: FormatResult,
     /// The differences; empty if there are none.
-    message: String,
+    pub message: String,
 }
 
 /// The result of comparing a format with its definition.
-#[derive(Clone, Copy, PartialEq, Eq, Serialize, schemars::JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
-enum FormatResult {
+pub enum FormatResult {
     /// All fields have the same types and offsets.
     Equal,
     /// Something differs.
@@ -86,8 +88,8 @@ enum FormatResult {
     Undefined,
 }
 
-impl<'f> Format<'f> {
-    fn new((topic, comparison): &'f (String, Comparison)) -> Self {
+impl Format {
+    fn new(topic: String, comparison: &Comparison) -> Self {
         let (result, message) = match comparison {
             Comparison::Equal => (FormatResult::Equal, String::new()),
             Comparison::Undefined => (FormatResult::Undefined, String::new()),
@@ -95,10 +97,6 @@ impl<'f> Format<'f> {
         };
         Self { topic, result, message }
     }
-}
-
-fn format_rows<S: Serializer>(formats: &[(String, Comparison)], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_seq(formats.iter().map(Format::new))
 }
 
 impl Describe for LogSummary {
@@ -113,17 +111,16 @@ impl Describe for LogSummary {
     }
 
     fn lines(&self) -> Vec<Line> {
-        let formats: Vec<Format<'_>> = self.formats.iter().map(Format::new).collect();
-        let with_result = |wanted| formats.iter().filter(move |format| format.result == wanted);
+        let with_result = |wanted| self.formats.iter().filter(move |format| format.result == wanted);
         let text = format!(
             "{} of {} topics match, {} differ, {} unknown",
             with_result(FormatResult::Equal).count(),
-            formats.len(),
+            self.formats.len(),
             with_result(FormatResult::Differs).count(),
             with_result(FormatResult::Undefined).count(),
         );
         let differing =
-            with_result(FormatResult::Differs).map(|format| (format.topic, shown(&format.message)));
+            with_result(FormatResult::Differs).map(|format| (format.topic.as_str(), shown(&format.message)));
         let definitions = Line::new("definitions", text).list("differs", differing);
         release_lines(&self.releases, definitions)
     }
@@ -134,9 +131,9 @@ impl Describe for LogSummary {
 }
 
 /// Reads the formats and the version of a log up to its first data.
-fn clues(input: impl Read, library: &Library) -> Clues {
+fn clues(input: impl Read) -> Clues {
     let (mut reader, mut clues) = (Reader::new(input), Clues::default());
-    let mut log = Log::with_cache(Arc::clone(library.formats()));
+    let mut log = Log::default();
     while let Ok(Some(item)) = reader.next() {
         match item.event {
             Event::Data { .. } => break,
@@ -150,9 +147,9 @@ fn clues(input: impl Read, library: &Library) -> Clues {
     let topics: BTreeSet<&str> = log.subscriptions().map(|subscription| &*subscription.topic).collect();
     // A log that ends early may have no subscriptions.
     let is_topic = |name: &str| topics.is_empty() || topics.contains(name);
-    let formats = log.types().iter().zip(log.format_set().layouts());
-    let formats = formats.filter(|(format, _)| is_topic(format.name()));
-    let formats = formats.filter_map(|(format, layout)| Some((format.name().to_owned(), (*layout)?)));
+    let mut layouts = LayoutHashes::default();
+    let formats = log.types().iter().filter(|format| is_topic(format.name()));
+    let formats = formats.filter_map(|format| Some((format.name().to_owned(), layouts.get(format)?)));
     clues.formats = formats.map(|(name, layout)| (name, FormatClue::Layout(layout))).collect();
     clues
 }
@@ -166,14 +163,10 @@ fn check_log(input: impl Read, run: CheckRun<'_>) -> CaptureResult {
     let mut checker = LogChecker::new(run);
     let mut input = UpToError::new(input);
     let mut reader = Reader::new(&mut input);
-    let mut log = Log::with_cache(Arc::clone(checker.run.definitions.formats()));
-    loop {
-        while let Some(data) = reader.next_data() {
-            checker.data(data, &mut log);
-        }
-        let Ok(Some(item)) = reader.next() else { break };
-        if let Event::Data { id, payload } = item.event {
-            checker.data(Data { offset: item.offset, id, payload }, &mut log);
+    let mut log = Log::default();
+    while let Ok(Some(item)) = reader.next() {
+        if let Event::Data { id, .. } = item.event {
+            checker.data(id, &item, &mut log);
             continue;
         }
         checker.item(&item);
@@ -205,6 +198,31 @@ fn check_log(input: impl Read, run: CheckRun<'_>) -> CaptureResult {
     checker.finish(&log, position)
 }
 
+/// The check of the messages with a format.
+struct FormatPlan {
+    /// The checks of the values. `None` if there are too many fields.
+    values: Option<Plan>,
+    /// The number of checked fields, which the format and the definition share.
+    fields: Share,
+    /// The offset of `timestamp` in the payload.
+    timestamp: Option<usize>,
+    /// The offset of `time_utc_usec` in the payload, the time of a satellite navigation receiver.
+    utc: Option<usize>,
+}
+
+impl FormatPlan {
+    /// Compiles the plan for a format and its definition, with or without the checks of the values.
+    fn new(format: MessageType<'_>, defined: Option<MessageType<'_>>, has_values: bool) -> Self {
+        let (shared, all) = shared_fields(format, defined);
+        Self {
+            values: has_values.then(|| Plan::new(format, defined, &px4::VALUES)),
+            fields: Share::of(if has_values { shared } else { 0 }, all),
+            timestamp: time_offset(format, "timestamp"),
+            utc: time_offset(format, "time_utc_usec"),
+        }
+    }
+}
+
 /// A topic of the log, with its state.
 struct Open {
     index: usize,
@@ -213,7 +231,7 @@ struct Open {
     offset: u64,
     definition: Option<MessageId>,
     /// Set when the first message arrives.
-    plan: Option<Arc<FormatPlan>>,
+    plan: Option<Rc<FormatPlan>>,
     tally: Tally,
     /// The number of records whose values have no meaning.
     unpublished: u64,
@@ -223,8 +241,10 @@ struct LogChecker<'d> {
     run: CheckRun<'d>,
     /// The topics by message id.
     open: Vec<Option<Box<Open>>>,
-    /// The plans of the log's formats, once data has arrived.
-    plans: Option<(Arc<FormatSet>, Arc<FormatPlans>)>,
+    /// The plans of the topics with data, which all instances of a topic share.
+    plans: BTreeMap<String, Rc<FormatPlan>>,
+    /// The number of fields for which there is still room in the plans.
+    room: usize,
     /// The topics with data, each with the offset of its subscription and the comparison of its format. A log may
     /// declare a format again after its data, so the result is that of the format when the data was read.
     compared: BTreeMap<String, (u64, Comparison)>,
@@ -247,7 +267,8 @@ impl<'d> LogChecker<'d> {
         Self {
             run,
             open: Vec::new(),
-            plans: None,
+            plans: BTreeMap::new(),
+            room: MAX_FIELDS,
             compared: BTreeMap::new(),
             parts: Parts::default(),
             several: BTreeSet::new(),
@@ -292,16 +313,16 @@ impl<'d> LogChecker<'d> {
     }
 
     /// Checks data.
-    fn data(&mut self, data: Data<'_>, log: &mut Log) {
+    fn data(&mut self, id: u16, item: &Item<'_>, log: &mut Log) {
         self.is_behind_gap = std::mem::take(&mut self.is_gap);
         self.latest = None;
         self.run.records += 1;
-        if let Some(Some(open)) = self.open.get_mut(usize::from(data.id)) {
+        if let Some(Some(open)) = self.open.get_mut(usize::from(id)) {
             open.tally.records += 1;
         }
-        let record = log.data(data, &mut |offset, problem| self.report_problem(offset, &problem));
+        let record = log.take(item, &mut |offset, problem| self.report_problem(offset, &problem));
         if let Some(record) = record {
-            self.record(&record, data.offset);
+            self.record(&record, item.offset);
         }
     }
 
@@ -351,23 +372,17 @@ impl<'d> LogChecker<'d> {
         let plan = match &mut open.plan {
             Some(plan) => plan,
             empty => {
-                let definitions = self.run.definitions;
-                let compile = |has_values| {
+                let (definitions, format) = (self.run.definitions, record.message_type);
+                let plan = self.plans.entry(open.topic.clone()).or_insert_with(|| {
+                    check_timestamp(format, location, &mut self.run);
+                    let compared = (open.offset, comparison(format, definitions));
+                    self.compared.insert(open.topic.clone(), compared);
+                    let rest = self.room.checked_sub(FieldCounts::default().of(format));
+                    self.room = rest.unwrap_or(self.room);
                     let defined = open.definition.map(|id| definitions.types().get(id));
-                    FormatPlan::new(record.message_type, defined, &px4::VALUES, has_values)
-                };
-                let plans = match &mut self.plans {
-                    Some((formats, plans)) if Arc::ptr_eq(formats, record.formats) => plans,
-                    plans => {
-                        let new = (Arc::clone(record.formats), definitions.plans(record.formats));
-                        &mut plans.insert(new).1
-                    }
-                };
-                if let Entry::Vacant(new) = self.compared.entry(open.topic.clone()) {
-                    check_timestamp(record.message_type, location, &mut self.run);
-                    new.insert((open.offset, comparison(record.message_type, plans, definitions)));
-                }
-                empty.insert(plans.plan(&open.topic, compile))
+                    Rc::new(FormatPlan::new(format, defined, rest.is_some()))
+                });
+                empty.insert(Rc::clone(plan))
             }
         };
         let time_at = |offset: Option<usize>| {
@@ -473,6 +488,8 @@ impl<'d> LogChecker<'d> {
             is_equal: *comparison == Comparison::Equal,
         });
         let releases = release_matches(definitions, &topics);
+        let formats =
+            formats.into_iter().map(|(topic, comparison)| Format::new(topic, &comparison)).collect();
         let summary = LogSummary { firmware: self.firmware, dropouts: self.dropouts, releases, formats };
         self.run.finish(bytes, Summary::Log(summary), Unit::Topic, self.parts)
     }
@@ -515,7 +532,7 @@ impl Open {
             Some(None) => result = PartResult::TooMany,
             None => {}
         }
-        let fields = plan.map_or_else(Share::default, |plan| plan.shared_fields.into());
+        let fields = plan.map_or_else(Share::default, |plan| plan.fields);
         let values = fields.times(tally.checked, tally.records);
         parts.add(&self.topic, result, tally, values);
     }
@@ -540,11 +557,9 @@ fn check_timestamp(format: MessageType<'_>, location: Location, run: &mut CheckR
 }
 
 /// Compares a format with the definition of its topic.
-fn comparison(format: MessageType<'_>, plans: &FormatPlans, definitions: &Definitions) -> Comparison {
-    plans.comparison(format.name(), || match definitions.message_of_logged_topic(format.name()) {
-        None => Comparison::Undefined,
-        Some(id) => compare(format, definitions.types().get(id)),
-    })
+fn comparison(format: MessageType<'_>, definitions: &Definitions) -> Comparison {
+    let id = definitions.message_of_logged_topic(format.name());
+    id.map_or(Comparison::Undefined, |id| compare(format, definitions.types().get(id)))
 }
 
 /// Reports the formats that differ from the definitions, and returns all comparisons. `compared` contains the topics
@@ -563,7 +578,6 @@ fn formats(
     for (name, _) in log.formats().filter(|(_, fields)| fields.is_empty()) {
         opened.remove(name);
     }
-    let plans = definitions.plans(log.format_set());
     for format in log.types().iter() {
         run.findings.cover(&px4::FMT_02.rule, 1);
         // Its fields are unknown, or those of a format that it contains.
@@ -573,7 +587,7 @@ fn formats(
         let Some(offset) = opened.get(format.name()).copied() else { continue };
         if let Entry::Vacant(new) = compared.entry(format.name().to_owned()) {
             check_timestamp(format, Location::Byte(offset), run);
-            new.insert((offset, comparison(format, &plans, definitions)));
+            new.insert((offset, comparison(format, definitions)));
         }
     }
     for (topic, (offset, comparison)) in &compared {

@@ -1,16 +1,16 @@
 //! Tests of logs: each rule finds its violations, and conforming logs have no findings.
 
 mod counted;
-mod shared;
 mod time;
 
 use std::fs;
 
 use serde_json::Value;
 use tempfile::TempDir;
-use uavspec_check::{CaptureResult, LogSummary, PartResult, Share, Summary, check_ulog};
+use uavspec_check::{
+    CaptureResult, Format, FormatResult, LogSummary, PartResult, Share, Summary, check_ulog,
+};
 use uavspec_model::{Extent, Verdict};
-use uavspec_px4::comparison::Comparison;
 use uavspec_rules::definitions::{Definitions, Library};
 use uavspec_rules::{RULES, rule};
 use uavspec_test_support::{Writer, extent, shared};
@@ -181,7 +181,8 @@ fn a_conforming_log_has_no_violations_and_covers_its_rules() {
     assert_eq!((result.records, result.checked), (60, 60));
     assert_eq!(result.duration, 59 * PERIOD);
     let log = as_log(&result);
-    assert_eq!(log.formats, [("glider".to_owned(), Comparison::Equal)]);
+    let formats: Vec<_> = log.formats.iter().map(|format| (format.topic.as_str(), format.result)).collect();
+    assert_eq!(formats, [("glider", FormatResult::Equal)]);
     assert_eq!(log.firmware.as_deref(), Some("PX4"));
     let idle: Vec<&str> = RULES
         .iter()
@@ -373,7 +374,11 @@ fn checks_data_before_its_format_changes() {
         let check = |log: &Writer, part: PartResult| {
             let result = run_check(log);
             assert_eq!(result.coverage.parts[0].result, part, "{first} {last}");
-            let formats = as_log(&result).formats.iter().map(|(_, comparison)| PartResult::from(comparison));
+            let formats = as_log(&result).formats.iter().map(|format| match format.result {
+                FormatResult::Equal => PartResult::Checked,
+                FormatResult::Differs => PartResult::Different,
+                FormatResult::Undefined => PartResult::Undefined,
+            });
             assert_eq!(formats.collect::<Vec<_>>(), [expected], "{first} {last}");
             let found: Vec<&str> = violated(&result).iter().map(|(rule, _)| *rule).collect();
             assert_eq!(found, rules, "{first} {last}");
@@ -394,7 +399,7 @@ fn compares_the_format_of_a_topic_whose_id_is_reused() {
     log.data(5, &Glider::at(PERIOD).bytes());
     log.subscribe(5, 0, "mark");
     let result = run_check(&log);
-    let topics: Vec<&str> = as_log(&result).formats.iter().map(|(topic, _)| topic.as_str()).collect();
+    let topics: Vec<&str> = as_log(&result).formats.iter().map(|format| format.topic.as_str()).collect();
     assert_eq!(topics, ["glider", "mark"]);
     let found: Vec<&str> = violated(&result).iter().map(|(rule, _)| *rule).collect();
     assert_eq!(found, ["PX-FMT-01"]);
@@ -648,7 +653,7 @@ fn matches_the_same_formats_as_the_reference_tools() {
         for log in ["sample", "sample_log_small", "sample_logging_tagged_and_default_params"] {
             let found = read(&format!("ulog/{log}.json"));
             let file = fs::File::open(logs.join(format!("{log}.ulg"))).expect("a log");
-            for (topic, comparison) in &as_log(&check_ulog(file, &definitions)).formats {
+            for Format { topic, result, .. } in &as_log(&check_ulog(file, &definitions)).formats {
                 let of = defined.as_object().expect("messages").iter().find(|(_, message)| {
                     message["topics"].as_array().expect("topics").iter().any(|known| known == topic)
                 });
@@ -657,12 +662,12 @@ fn matches_the_same_formats_as_the_reference_tools() {
                     Some((name, _)) if is_same(topic, name, &found["formats"], &defined) => 1,
                     Some(_) => 2,
                 };
-                let checked = match comparison {
-                    Comparison::Undefined => 0,
-                    Comparison::Equal => 1,
-                    Comparison::Differs(_) => 2,
+                let checked = match result {
+                    FormatResult::Undefined => 0,
+                    FormatResult::Equal => 1,
+                    FormatResult::Differs => 2,
                 };
-                assert_eq!(checked, expected, "{release}, {log}: {topic}, {comparison:?}");
+                assert_eq!(checked, expected, "{release}, {log}: {topic}, {result:?}");
                 seen[checked] += 1;
             }
         }

@@ -12,7 +12,6 @@
 
 pub mod comparison;
 pub mod format;
-pub mod format_plan;
 pub mod json;
 pub mod memory;
 pub(crate) mod values;

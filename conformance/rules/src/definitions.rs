@@ -19,14 +19,12 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
-use uavspec_capture::ulog::{FormatCache, FormatSet};
 use uavspec_codegen::load::{self, read_definitions_for_captures};
 use uavspec_definitions::{Dir, FLOCKWAVE, I18N, PX4};
 use uavspec_dynamic::Types;
 use uavspec_flockwave::body_schema::{BodySchemas, DefinedSchemas, SchemaError, Schemas};
 use uavspec_lint::release;
 use uavspec_model::text::terminal;
-use uavspec_px4::format_plan::{FormatPlans, PlanCache};
 use uavspec_schema::fingerprint::{ros_name, service_hash_of_event};
 use uavspec_schema::msg::{Dialect, Kind};
 use uavspec_schema::source::Span;
@@ -74,9 +72,6 @@ pub struct Definitions {
     types: OnceLock<Types>,
     defined_schemas: OnceLock<DefinedSchemas>,
     schemas: Arc<Schemas>,
-    /// The formats of the logs that were checked against these definitions.
-    formats: Arc<FormatCache>,
-    plans: PlanCache,
 }
 
 /// A release that definitions were read from.
@@ -177,8 +172,6 @@ impl Definitions {
             types: OnceLock::new(),
             defined_schemas: OnceLock::new(),
             schemas: Arc::default(),
-            formats: Arc::default(),
-            plans: PlanCache::default(),
         }
     }
 
@@ -316,16 +309,6 @@ impl Definitions {
     /// The body schemas of Flockwave messages.
     pub fn body_schemas(&self) -> BodySchemas<'_> {
         BodySchemas { defined_schemas: self.defined_schemas(), schemas: &self.schemas }
-    }
-
-    /// The formats of the logs of a run.
-    pub fn formats(&self) -> &Arc<FormatCache> {
-        &self.formats
-    }
-
-    /// The plans of a log's formats, for checks against these definitions.
-    pub fn plans(&self, formats: &Arc<FormatSet>) -> Arc<FormatPlans> {
-        self.plans.get(formats)
     }
 
     /// The line of a definition.

@@ -45,9 +45,7 @@ mod tests {
             frames.read_to_end(&mut bytes).map(|_| bytes)
         };
         let found = read(&mut Frames::new(input)?);
-        let mut in_rust = rust::Frames::new(input)?;
-        assert_eq!(found.as_ref().ok(), read(&mut in_rust).ok().as_ref());
-        assert!(found.is_err() || in_rust.into_inner().is_empty());
+        assert_eq!(found.as_ref().ok(), read(&mut rust::Frames::new(input)?).ok().as_ref());
         found
     }
 

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::hash::{DefaultHasher, Hash, Hasher as _};
 
-use mcap::records::op;
+use mcap::records::{Record, Statistics, op};
 
 use super::Problem;
 use super::sound::Parts;
@@ -33,7 +33,7 @@ struct Indexed {
 
 /// The ids of declared schemas or channels.
 #[derive(Debug, Default)]
-struct Ids {
+pub(super) struct Ids {
     /// Those in the data section.
     in_data: BTreeSet<u16>,
     /// Those in the whole file.
@@ -41,7 +41,7 @@ struct Ids {
 }
 
 impl Ids {
-    fn add(&mut self, id: u16, is_in_summary: bool) {
+    pub(super) fn add(&mut self, id: u16, is_in_summary: bool) {
         if !is_in_summary {
             self.in_data.insert(id);
         }
@@ -52,8 +52,8 @@ impl Ids {
 /// The records of a file, and what the file states about them.
 #[derive(Debug, Default)]
 pub(super) struct Census {
-    schemas: Ids,
-    channels: Ids,
+    pub(super) schemas: Ids,
+    pub(super) channels: Ids,
     /// The number of messages of each channel.
     messages: BTreeMap<u16, u64>,
     /// Offsets, lengths and sizes.
@@ -68,26 +68,10 @@ pub(super) struct Census {
     statistics: Option<Statistics>,
 }
 
-/// The numbers of records, as a file states them.
-#[derive(Debug)]
-struct Statistics {
-    messages: u64,
-    schemas: u16,
-    channels: u32,
-    attachments: u32,
-    metadata: u32,
-    chunks: u32,
-    /// The messages of each channel. Some writers state no channel.
-    of_channels: BTreeMap<u16, u64>,
-}
-
 impl Census {
-    pub(super) fn schema(&mut self, id: u16, is_in_summary: bool) {
-        self.schemas.add(id, is_in_summary);
-    }
-
-    pub(super) fn channel(&mut self, id: u16, is_in_summary: bool) {
-        self.channels.add(id, is_in_summary);
+    /// True if a channel with this id was declared.
+    pub(super) fn has_channel(&self, id: u16) -> bool {
+        self.channels.all.contains(&id)
     }
 
     pub(super) fn message(&mut self, channel: u16, time: u64, is_in_chunk: bool) {
@@ -131,7 +115,7 @@ impl Census {
             op::CHUNK_INDEX => chunk_index(body).map(|facts| self.chunks.listed.add(facts)),
             op::ATTACHMENT_INDEX => place(body).map(|place| self.attachments.listed.add(place)),
             op::METADATA_INDEX => place(body).map(|place| self.metadata.listed.add(place)),
-            op::STATISTICS => Statistics::read(body).map(|found| self.statistics = Some(found)),
+            op::STATISTICS => statistics(body).map(|found| self.statistics = Some(found)),
             _ => Some(()),
         };
         is_read.is_none().then_some(Problem::Unreadable { opcode })
@@ -173,14 +157,15 @@ impl Census {
             (stated, stated.clamp(min, max))
         };
         let counts = [
-            ("messages", (statistics.messages, self.messages.values().sum())),
-            ("schemas", declared(statistics.schemas.into(), &self.schemas)),
-            ("channels", declared(statistics.channels.into(), &self.channels)),
-            ("attachments", (statistics.attachments.into(), self.attachments.found.count)),
-            ("metadata records", (statistics.metadata.into(), self.metadata.found.count)),
-            ("chunks", (statistics.chunks.into(), self.chunks.found.count)),
+            ("messages", (statistics.message_count, self.messages.values().sum())),
+            ("schemas", declared(statistics.schema_count.into(), &self.schemas)),
+            ("channels", declared(statistics.channel_count.into(), &self.channels)),
+            ("attachments", (statistics.attachment_count.into(), self.attachments.found.count)),
+            ("metadata records", (statistics.metadata_count.into(), self.metadata.found.count)),
+            ("chunks", (statistics.chunk_count.into(), self.chunks.found.count)),
         ];
-        let of_channels = statistics.of_channels.iter().map(|(channel, stated)| {
+        // Some writers state no channel.
+        let of_channels = statistics.channel_message_counts.iter().map(|(channel, stated)| {
             ("messages of a channel", (*stated, self.messages.get(channel).copied().unwrap_or_default()))
         });
         let all: Vec<_> = counts.into_iter().chain(of_channels).collect();
@@ -209,19 +194,10 @@ fn chunk_index(body: &[u8]) -> Option<[u64; 4]> {
     Some([offset, length, size, packed])
 }
 
-impl Statistics {
-    fn read(body: &[u8]) -> Option<Self> {
-        let mut parts = Parts(body);
-        let (messages, schemas) = (parts.u64()?, parts.u16()?);
-        let [channels, attachments, metadata, chunks] =
-            [parts.u32()?, parts.u32()?, parts.u32()?, parts.u32()?];
-        parts.take(16)?;
-        let length = parts.u32()?;
-        let mut pairs = Parts(parts.take(length as usize)?);
-        let mut of_channels = BTreeMap::new();
-        while !pairs.0.is_empty() {
-            of_channels.insert(pairs.u16()?, pairs.u64()?);
-        }
-        Some(Self { messages, schemas, channels, attachments, metadata, chunks, of_channels })
+/// The numbers of records, as a file states them.
+fn statistics(body: &[u8]) -> Option<Statistics> {
+    match mcap::parse_record(op::STATISTICS, body) {
+        Ok(Record::Statistics(found)) => Some(found),
+        _ => None,
     }
 }

@@ -9,7 +9,6 @@ use super::unpack::{Packing, Unpacker};
 use super::window::Window;
 
 /// A chunk that is being read.
-#[derive(Debug)]
 pub(super) struct Chunk {
     pub(super) offset: u64,
     pub(super) size: u64,
@@ -21,7 +20,6 @@ pub(super) struct Chunk {
 }
 
 /// The location of a chunk's records.
-#[derive(Debug)]
 pub(super) enum Records {
     /// Uncompressed, starting at this file offset.
     Plain(u64),

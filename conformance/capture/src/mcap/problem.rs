@@ -148,22 +148,7 @@ impl Problem {
     pub fn extent(&self) -> Extent {
         match self {
             Self::Truncated { .. } | Self::NoEnd => Extent::EndsEarly,
-            Self::NoHeader
-            | Self::AfterEnd { .. }
-            | Self::Misplaced { .. }
-            | Self::SummaryStart { .. }
-            | Self::Count { .. }
-            | Self::Index { .. }
-            | Self::NoMagic
-            | Self::ChunkSize { .. }
-            | Self::ChunkChecksum { .. }
-            | Self::Checksum { .. }
-            | Self::Skipped { .. }
-            | Self::Unreadable { .. }
-            | Self::TooLong { .. }
-            | Self::Packing { .. }
-            | Self::Unpack { .. }
-            | Self::InChunk { .. } => Extent::WithGaps,
+            _ => Extent::WithGaps,
         }
     }
 }

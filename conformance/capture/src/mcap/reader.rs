@@ -22,7 +22,6 @@ use super::{Event, Item, MAGIC, Problem};
 const LOOKAHEAD: usize = 64 * 1024;
 
 /// Reads a file from start to end.
-#[derive(Debug)]
 pub struct Reader<R> {
     file: Window<R>,
     stage: Stage,
@@ -32,7 +31,6 @@ pub struct Reader<R> {
     attachment: Option<Attachment>,
     /// The problems to return before the next record.
     problems: VecDeque<(u64, Problem)>,
-    declared: Declared,
     census: Census,
     /// The offset of the current file. Another file may follow its end.
     start: u64,
@@ -42,8 +40,6 @@ pub struct Reader<R> {
     summary: Option<u64>,
     /// True if the current file had no problems so far.
     is_sound: bool,
-    /// A reusable buffer for compressed chunks.
-    room: Vec<u8>,
 }
 
 /// An attachment that is being read.
@@ -63,26 +59,6 @@ enum Stage {
     Header,
     Records,
     End,
-}
-
-/// The ids of declared channels.
-#[derive(Debug)]
-struct Declared(Box<[u64; 1 << 10]>);
-
-impl Default for Declared {
-    fn default() -> Self {
-        Self(Box::new([0; 1 << 10]))
-    }
-}
-
-impl Declared {
-    fn insert(&mut self, id: u16) {
-        self.0[usize::from(id / 64)] |= 1 << (id % 64);
-    }
-
-    fn has(&self, id: u16) -> bool {
-        self.0[usize::from(id / 64)] & 1 << (id % 64) != 0
-    }
 }
 
 /// A record that ends at the cursor.
@@ -109,13 +85,11 @@ impl<R: Read> Reader<R> {
             chunk: None,
             attachment: None,
             problems: VecDeque::new(),
-            declared: Declared::default(),
             census: Census::default(),
             start: 0,
             has_header: false,
             summary: None,
             is_sound: true,
-            room: Vec::new(),
         }
     }
 
@@ -136,7 +110,9 @@ impl<R: Read> Reader<R> {
             }
             if let Some(attachment) = self.attachment {
                 if let Some(length) = self.attachment_part(attachment)? {
-                    return Ok(Some(self.lend_part(attachment, length)));
+                    let Attachment { offset, length: whole, at, .. } = attachment;
+                    let event = Event::Attachment { length: whole, at, bytes: self.file.behind(length) };
+                    return Ok(Some(Item { offset, packing: None, event }));
                 }
                 continue;
             }
@@ -179,12 +155,11 @@ impl<R: Read> Reader<R> {
             Ok(Record::Header(header)) => Event::Header { profile: header.profile, library: header.library },
             // The text of a schema is borrowed from the record.
             Ok(Record::Schema { header, data: std::borrow::Cow::Borrowed(text) }) => {
-                self.census.schema(header.id, is_in_summary);
+                self.census.schemas.add(header.id, is_in_summary);
                 Event::Schema { id: header.id, name: header.name, encoding: header.encoding, text }
             }
             Ok(Record::Channel(channel)) => {
-                self.declared.insert(channel.id);
-                self.census.channel(channel.id, is_in_summary);
+                self.census.channels.add(channel.id, is_in_summary);
                 Event::Channel {
                     id: channel.id,
                     schema: channel.schema_id,
@@ -237,11 +212,6 @@ impl<R: Read> Reader<R> {
         if stated != 0 && stated != found {
             self.report(offset, Problem::Checksum { part, stated, found });
         }
-    }
-
-    fn lend_part(&self, Attachment { offset, length, at, .. }: Attachment, here: usize) -> Item<'_> {
-        let event = Event::Attachment { length, at, bytes: self.file.behind(here) };
-        Item { offset, packing: None, event }
     }
 
     fn report(&mut self, offset: u64, problem: Problem) {
@@ -479,7 +449,7 @@ impl<R: Read> Reader<R> {
         self.stage = Stage::Start;
         self.start = self.file.offset();
         self.file.restart();
-        (self.declared, self.census) = (Declared::default(), Census::default());
+        self.census = Census::default();
         (self.has_header, self.summary, self.is_sound) = (false, None, true);
     }
 
@@ -523,7 +493,7 @@ impl<R: Read> Reader<R> {
         let ahead = self.file.ahead();
         let is_sound_at = |at: &usize| {
             let end = ahead.len().min(at.saturating_add(LOOKAHEAD));
-            is_sound(&ahead[*at..end], |id| self.declared.has(id))
+            is_sound(&ahead[*at..end], |id| self.census.has_channel(id))
         };
         (from..until.min(ahead.len())).find(is_sound_at)
     }
@@ -562,13 +532,13 @@ impl<R: Read> Reader<R> {
             Some(packing) => {
                 // The size is within the limit, so it fits into a `usize`.
                 let packed = usize::try_from(packed).unwrap_or(usize::MAX);
-                let mut room = mem::take(&mut self.room);
-                let taken = self.file.take(packed, &mut room)?;
-                if taken < packed {
-                    self.report(offset, Problem::Truncated { missing: (packed - taken) as u64 + added });
+                let taken = self.file.take(packed)?;
+                let missing = packed - taken.len();
+                if missing > 0 {
+                    self.report(offset, Problem::Truncated { missing: missing as u64 + added });
                     self.stage = Stage::End;
                 }
-                Records::Packed(Box::new(Window::new(Unpacker::new(packing, room)?)), taken < packed)
+                Records::Packed(Box::new(Window::new(Unpacker::new(packing, taken)?)), missing > 0)
             }
         };
         self.chunk = Some(Chunk { offset, size, checksum, packing, added, records });
@@ -638,7 +608,7 @@ impl<R: Read> Reader<R> {
                 self.chunk = None;
                 let ahead = self.file.ahead();
                 let is_truncated = self.file.is_at_end() && (ahead.len() as u64) < left;
-                let is_next = |at: &usize| is_sound(&ahead[*at..], |id| self.declared.has(id));
+                let is_next = |at: &usize| is_sound(&ahead[*at..], |id| self.census.has_channel(id));
                 if is_truncated && !(1..ahead.len()).any(|at| is_next(&at)) {
                     return self.skip(offset, left);
                 }
@@ -672,12 +642,9 @@ impl<R: Read> Reader<R> {
         self.leave()
     }
 
-    /// Moves past the current chunk, and keeps its buffer for reuse.
+    /// Moves past the current chunk.
     fn leave(&mut self) -> io::Result<()> {
         let Some(chunk) = self.chunk.take() else { return Ok(()) };
-        if let Records::Packed(window, _) = chunk.records {
-            self.room = window.into_input().into_room();
-        }
         if self.stage == Stage::End { Ok(()) } else { self.skip(chunk.offset, chunk.added) }
     }
 }

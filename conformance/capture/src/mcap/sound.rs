@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use mcap::records::op;
+use mcap::records::{Metadata, Record, op};
 
 use super::{Event, MAGIC};
 
@@ -170,17 +170,13 @@ pub(super) fn message(body: &[u8]) -> Option<Event<'_>> {
     Some(Event::Message { channel, time, publish_time, sequence, payload: parts.0 })
 }
 
-/// The name and the values of a metadata record. `None` if the record contains invalid text.
+/// The name and the values of a metadata record. `None` if the record contains invalid text or
+/// a duplicate key.
 pub fn metadata(body: &[u8]) -> Option<(String, BTreeMap<String, String>)> {
-    let mut parts = Parts(body);
-    let name = parts.string()?;
-    let length = parts.u32()?;
-    let mut pairs = Parts(parts.take(length as usize)?);
-    let mut values = BTreeMap::new();
-    while !pairs.0.is_empty() {
-        values.insert(pairs.string()?, pairs.string()?);
+    match mcap::parse_record(op::METADATA, body) {
+        Ok(Record::Metadata(Metadata { name, metadata })) => Some((name, metadata)),
+        _ => None,
     }
-    Some((name, values))
 }
 
 /// True if these bytes appear to be the start of a record. `is_declared` returns true for known channels.
@@ -250,12 +246,6 @@ impl<'b> Parts<'b> {
         let length = self.u32()? as usize;
         self.take(length)?;
         start.get(..4 + length)
-    }
-
-    /// A length-prefixed string.
-    fn string(&mut self) -> Option<String> {
-        let length = self.u32()? as usize;
-        String::from_utf8(self.take(length)?.to_vec()).ok()
     }
 
     /// Skips a map of strings, which starts with the length of the whole map.

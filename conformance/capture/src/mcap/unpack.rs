@@ -43,24 +43,6 @@ impl Unpacker {
             Packing::Lz4 => Self::Lz4(Box::new(Lz4::new(packed))),
         })
     }
-
-    /// Returns the buffer of the compressed bytes for reuse.
-    pub(super) fn into_room(self) -> Vec<u8> {
-        match self {
-            Self::Zstd(decoder) => decoder.into_inner().into_inner(),
-            Self::Lz4(decoder) => decoder.into_inner().into_inner(),
-        }
-    }
-}
-
-impl std::fmt::Debug for Unpacker {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let name = match self {
-            Self::Zstd(_) => "Zstd",
-            Self::Lz4(_) => "Lz4",
-        };
-        formatter.debug_tuple(name).finish_non_exhaustive()
-    }
 }
 
 impl Read for Unpacker {

@@ -1,16 +1,14 @@
 //! Tracks the formats and subscriptions of a log, since data messages depend on them.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
-use uavspec_dynamic::{FormatProblem, MessageType, Types};
+use uavspec_dynamic::{FormatError, FormatProblem, MessageType, Types};
 use uavspec_runtime::layout::Size;
 use uavspec_schema::MessageId;
 
-use super::formats::{FormatCache, FormatSet};
 use super::log_problem::{LogProblem, MAX_FORMATS, MAX_TEXT};
 use super::message::Event;
-use super::reader::{Data, Item};
+use super::reader::Item;
 
 /// The maximum total size of compiled formats, in bytes. A format counts each time it is compiled. The limit is
 /// sufficient for a log that writes each of PX4's 261 formats just before the first data of its topic. Because of the
@@ -18,14 +16,13 @@ use super::reader::{Data, Item};
 const MAX_COMPILED: usize = 16 << 20;
 
 /// The formats and subscriptions of a log, up to the current item.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Log {
     /// The formats in order of appearance. The index of a format is the id of its type.
     formats: Vec<Format>,
     by_name: BTreeMap<Box<str>, usize>,
     /// The compiled formats.
-    set: Arc<FormatSet>,
-    cache: Arc<FormatCache>,
+    types: Types,
     /// The number of formats that have types.
     known: usize,
     /// The total size of compiled formats, in bytes.
@@ -101,8 +98,6 @@ pub struct Record<'l> {
     pub subscription: &'l Subscription,
     /// The type.
     pub message_type: MessageType<'l>,
-    /// The formats of the log, which contain the type.
-    pub formats: &'l Arc<FormatSet>,
     /// The message in memory layout. The padding at the end of the message may be missing.
     pub payload: &'l [u8],
 }
@@ -110,31 +105,7 @@ pub struct Record<'l> {
 /// Receives problems and their offsets.
 type OnProblem<'t> = &'t mut dyn FnMut(u64, LogProblem);
 
-impl Default for Log {
-    fn default() -> Self {
-        Self::with_cache(Arc::default())
-    }
-}
-
 impl Log {
-    /// A log that takes its compiled formats from a cache.
-    pub fn with_cache(cache: Arc<FormatCache>) -> Self {
-        Self {
-            formats: Vec::new(),
-            by_name: BTreeMap::new(),
-            set: cache.get(std::iter::empty()),
-            cache,
-            known: 0,
-            compiled: 0,
-            text: 0,
-            subscriptions: Vec::new(),
-            orphans: BTreeMap::new(),
-            is_in_data: false,
-            is_limit_reported: false,
-            has_bindings: false,
-        }
-    }
-
     /// Processes the next item of a reader, and calls `on_problem` with each problem and its offset. Returns a record
     /// if the item is valid data.
     #[inline]
@@ -144,7 +115,7 @@ impl Log {
         on_problem: &mut dyn FnMut(u64, LogProblem),
     ) -> Option<Record<'l>> {
         if let Event::Data { id, payload } = item.event {
-            self.data(Data { offset: item.offset, id, payload }, on_problem)
+            self.data(item.offset, id, payload, on_problem)
         } else {
             self.learn(item, on_problem);
             None
@@ -158,12 +129,7 @@ impl Log {
 
     /// The types of the formats that data has used so far, in [`ULOG_PACKAGE`](uavspec_dynamic::ULOG_PACKAGE).
     pub fn types(&self) -> &Types {
-        &self.set.types
-    }
-
-    /// The compiled formats.
-    pub fn format_set(&self) -> &Arc<FormatSet> {
-        &self.set
+        &self.types
     }
 
     /// The names and fields of the formats, in order of appearance.
@@ -181,12 +147,13 @@ impl Log {
         self.subscriptions.iter().flatten().map(|subscription| &**subscription)
     }
 
-    /// Like [`Self::take`], for data.
     #[inline]
-    pub fn data<'l>(
+    fn data<'l>(
         &'l mut self,
-        Data { offset, id, payload }: Data<'l>,
-        on_problem: &mut dyn FnMut(u64, LogProblem),
+        offset: u64,
+        id: u16,
+        payload: &'l [u8],
+        on_problem: OnProblem<'_>,
     ) -> Option<Record<'l>> {
         if self.type_of(id).is_none() {
             self.bind(offset, id, on_problem);
@@ -199,7 +166,7 @@ impl Log {
             return None;
         }
         let subscription = self.subscription(id)?;
-        Some(Record { subscription, message_type: self.set.types.get(type_id), formats: &self.set, payload })
+        Some(Record { subscription, message_type: self.types.get(type_id), payload })
     }
 
     /// The type of an id's data, if the id is subscribed and has a type.
@@ -258,7 +225,7 @@ impl Log {
 
     fn usable(&self, index: usize) -> Option<(MessageId, Size)> {
         let id = MessageId(u32::try_from(index).ok().filter(|_| index < self.known)?);
-        Some((id, self.set.types.get(id).size()?))
+        Some((id, self.types.get(id).size()?))
     }
 
     fn learn(&mut self, item: &Item<'_>, on_problem: OnProblem<'_>) {
@@ -380,13 +347,12 @@ impl Log {
         }
         self.compiled += size;
         self.known = self.formats.len();
-        let formats = self.formats.iter().map(|format| (&*format.name, &*format.fields));
-        self.set = self.cache.get(formats);
-        for error in &self.set.errors {
-            let format = &mut self.formats[error.index];
-            if format.reported.as_ref() != Some(&error.problem) {
-                format.reported = Some(error.problem.clone());
-                let (name, problem) = (error.name.clone(), error.problem.clone());
+        let (types, errors) = Types::from_ulog_formats(self.formats());
+        self.types = types;
+        for FormatError { index, name, problem } in errors {
+            let format = &mut self.formats[index];
+            if format.reported.as_ref() != Some(&problem) {
+                format.reported = Some(problem.clone());
                 on_problem(format.offset, LogProblem::Format { name, problem });
             }
         }

@@ -159,5 +159,3 @@ impl fmt::Display for LogProblem {
         }
     }
 }
-
-impl std::error::Error for LogProblem {}

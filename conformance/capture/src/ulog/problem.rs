@@ -273,7 +273,3 @@ impl fmt::Display for Malformation {
         }
     }
 }
-
-impl std::error::Error for Problem {}
-
-impl std::error::Error for Malformation {}

@@ -18,7 +18,7 @@ use crate::{CaptureResult, CheckRun, Kind, Logged, Observer, Summary, has_magic}
 pub(crate) const KIND: Kind = Kind {
     name: "MCAP",
     detect: |start| has_magic(start, &MCAP_MAGIC),
-    clues: |source, _| super::clues::mcap(source),
+    clues: super::clues::mcap,
     check: |source, _, run| check(source, run),
 };
 

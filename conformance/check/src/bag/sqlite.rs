@@ -21,7 +21,7 @@ const MAX_UNPACKED: u64 = 16 << 30;
 pub(crate) const SQLITE: Kind = Kind {
     name: "rosbag2",
     detect: |start| has_magic(start, &SQLITE_MAGIC),
-    clues: |source, _| super::clues::sqlite(source),
+    clues: super::clues::sqlite,
     check: |source, _, run| check_sqlite(source, run),
 };
 
@@ -29,7 +29,7 @@ pub(crate) const SQLITE: Kind = Kind {
 pub(crate) const ROS1: Kind = Kind {
     name: "rosbag2",
     detect: |start| has_magic(start, &ROS1_MAGIC),
-    clues: |_, _| Clues::default(),
+    clues: |_| Clues::default(),
     check: |_, _, _| CaptureResult::unknown(CONVERT_ROS1),
 };
 

@@ -6,9 +6,8 @@ use std::fs;
 use tempfile::TempDir;
 use uavspec_capture::ulog::{Event, Reader};
 use uavspec_check::convert::{Action, ConversionReport, Settings};
-use uavspec_check::{Checked, Summary, open_path};
+use uavspec_check::{Checked, FormatResult, Summary, open_path};
 use uavspec_dynamic::Value;
-use uavspec_px4::comparison::Comparison;
 use uavspec_rules::sample::{Entry, Log};
 use uavspec_runtime::Number;
 use uavspec_test_captures::head_of_log as head;
@@ -38,8 +37,8 @@ fn messages(bytes: &[u8], kinds: &[u8]) -> Vec<Vec<u8>> {
 /// The topics that don't have the format of the definitions.
 fn differing(found: &Checked) -> Vec<&str> {
     let Summary::Log(summary) = &found.result.summary else { panic!("a log") };
-    let other = summary.formats.iter().filter(|(_, comparison)| *comparison != Comparison::Equal);
-    other.map(|(topic, _)| topic.as_str()).collect()
+    let other = summary.formats.iter().filter(|format| format.result != FormatResult::Equal);
+    other.map(|format| format.topic.as_str()).collect()
 }
 
 /// The violations that depend on more than the valid values of a field and the length of a topic's queue, which differ

@@ -154,7 +154,8 @@ fn skips_an_endless_line_in_constant_memory() {
     let item = reader.next().expect("bytes can be read").expect("a problem");
     assert_eq!(item.event, Event::Problem(Problem::TooLong { length }));
     assert_eq!(reader.next().expect("bytes can be read"), None);
-    assert!(endless.max <= MAX_LENGTH, "{}", endless.max);
+    // The buffer grows in steps, to at most twice the length of a value.
+    assert!(endless.max <= 2 * MAX_LENGTH, "{}", endless.max);
 }
 
 /// Long names aren't stored or shown, and control characters are escaped.

@@ -8,13 +8,12 @@ use std::sync::OnceLock;
 use uavspec_check::convert::{Action as Treated, ConversionReport, Loss, TopicReport};
 use uavspec_check::timeline::{Texts, Timeline};
 use uavspec_check::{
-    BagChannel, BusEndpoint, BusTopic, ChannelResult, CheckStatus, Coverage, FlockwaveSummary,
-     JsonSummary, LogSummary, McapSummary, OtherRelease, Part, ReleaseMatch, Summary, TypeCount,
+    BagChannel, BusEndpoint, BusTopic, ChannelResult, CheckStatus, Coverage, FlockwaveSummary, Format,
+    FormatResult, JsonSummary, LogSummary, McapSummary, OtherRelease, Part, ReleaseMatch, Summary, TypeCount,
     UnknownSummary, UnreadTimes, check_capture,
 };
 use uavspec_model::{Excuse, ExcuseKind, Location, Reason};
 use uavspec_probe::RequestType;
-use uavspec_px4::comparison::Comparison;
 use uavspec_px4::json::Dialects;
 use uavspec_report::{
     About, Action, Case, CheckedCapture, Corruption, Definition, Example, Finding, Outcome, Remark, Report,
@@ -128,7 +127,7 @@ fn summaries(text: &str) -> Vec<Summary> {
             firmware: Some(name()),
             dropouts: 0,
             releases: releases(),
-            formats: vec![(name(), Comparison::Undefined), (name(), Comparison::Equal)],
+            formats: vec![Format { topic: name(), result: FormatResult::Differs, message: name() }],
         }),
         Summary::Json(JsonSummary {
             lines: 1,

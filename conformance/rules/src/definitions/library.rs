@@ -11,7 +11,7 @@ use uavspec_schema::{Failure, Form, PackageInput, SourceMap, read, read_formats}
 
 use super::choice::{Choice, Clues};
 use super::index::{Family, Index, ReleaseId};
-use super::{Definitions, FormatCache, LoadedRelease, SchemaError, Schemas};
+use super::{Definitions, LoadedRelease, SchemaError, Schemas};
 
 /// The maximum number of releases, with different messages of other releases, that stay in memory.
 const MAX_STORED: usize = 8;
@@ -38,7 +38,6 @@ pub struct Library {
     /// The release that the user demands, with its family.
     forced: Option<(Family, ReleaseId)>,
     schemas: Arc<Schemas>,
-    formats: Arc<FormatCache>,
     index: OnceLock<&'static Index>,
     documented: OnceLock<Documented>,
     stored: Mutex<HashMap<Key, Arc<Definitions>>>,
@@ -90,7 +89,6 @@ impl Library {
             is_fixed,
             forced: None,
             schemas: Arc::default(),
-            formats: Arc::default(),
             index: OnceLock::new(),
             documented: OnceLock::new(),
             stored: Mutex::default(),
@@ -117,8 +115,7 @@ impl Library {
             Arc::new(if let Some((_, release)) = self.forced {
                 self.read(&[Choice::without_clues(release)])
             } else {
-                let (schemas, formats) = (Arc::clone(&self.schemas), Arc::clone(&self.formats));
-                Definitions { schemas, formats, ..Definitions::built_in() }
+                Definitions { schemas: Arc::clone(&self.schemas), ..Definitions::built_in() }
             })
         })
     }
@@ -154,11 +151,6 @@ impl Library {
     /// True if the user names the release of a family.
     pub fn names_release(&self, family: Family) -> bool {
         self.forced.is_some_and(|(forced, _)| forced == family)
-    }
-
-    /// The formats of the logs of a run.
-    pub fn formats(&self) -> &Arc<FormatCache> {
-        &self.formats
     }
 
     /// The fingerprints of all releases.
@@ -237,8 +229,8 @@ impl Library {
         let definitions =
             Definitions::new(titles.join(", "), sources, schema).with_replacements(&replacements);
         let undecided = choices.iter().flat_map(|choice| choice.undecided.iter().cloned()).collect();
-        let (schemas, formats) = (Arc::clone(&self.schemas), Arc::clone(&self.formats));
-        Definitions { releases, origins, undecided, schemas, formats, ..definitions }
+        let schemas = Arc::clone(&self.schemas);
+        Definitions { releases, origins, undecided, schemas, ..definitions }
     }
 
     fn loaded(&self, release: ReleaseId) -> LoadedRelease {

@@ -28,11 +28,6 @@ impl<R: BufRead> Frames<R> {
         Ok(Self { input, decoder: Decoder::new()?, is_in_frame: false, needed: START, is_full: false })
     }
 
-    /// The rest of the compressed input.
-    pub(crate) fn into_inner(self) -> R {
-        self.input
-    }
-
     /// Decompresses a part of the current frame. Returns the number of bytes.
     fn step(&mut self, out: &mut [u8]) -> io::Result<usize> {
         let ahead = self.input.fill_buf()?;

@@ -19,11 +19,6 @@ impl<R: BufRead> Frames<R> {
         Ok(Self { input, decoder: FrameDecoder::new() })
     }
 
-    /// The rest of the compressed input.
-    pub(crate) fn into_inner(self) -> R {
-        self.input
-    }
-
     /// Starts the next frame, after skipping any skippable frames. Returns false at the end of the input.
     fn start(&mut self) -> io::Result<bool> {
         while skip_zeros(&mut self.input)? {

@@ -1,5 +1,6 @@
 //! A chunk that is being filled.
 
+use std::collections::BTreeMap;
 use std::io::{self, Write};
 
 use lz4_flex::frame::FrameEncoder;
@@ -12,9 +13,6 @@ use crate::mcap::Packing;
 /// The size of an index entry, in bytes.
 const ENTRY: usize = 16;
 
-/// The maximum size of an index buffer that the next chunk reuses, in bytes.
-const KEPT: usize = 1 << 16;
-
 /// The records of a chunk, with the index of its messages.
 #[derive(Debug, Default)]
 pub(super) struct Chunk {
@@ -24,9 +22,7 @@ pub(super) struct Chunk {
     /// The first and the last log time.
     pub(super) times: Option<(u64, u64)>,
     /// The log time and the position of each message, by channel.
-    entries: Vec<Vec<u8>>,
-    /// The channels with messages.
-    channels: Vec<u16>,
+    entries: BTreeMap<u16, Vec<u8>>,
 }
 
 /// The indexes of the messages in a chunk.
@@ -42,14 +38,7 @@ impl Chunk {
         let MessageHeader { channel_id, sequence, log_time, publish_time } = *header;
         let (first, last) = self.times.unwrap_or((log_time, log_time));
         self.times = Some((first.min(log_time), last.max(log_time)));
-        let channel = usize::from(channel_id);
-        if self.entries.len() <= channel {
-            self.entries.resize_with(channel + 1, Vec::new);
-        }
-        let entries = &mut self.entries[channel];
-        if entries.is_empty() {
-            self.channels.push(channel_id);
-        }
+        let entries = self.entries.entry(channel_id).or_default();
         entries.extend_from_slice(&log_time.to_le_bytes());
         entries.extend_from_slice(&(self.records.len() as u64).to_le_bytes());
         let mut head = [0; 31];
@@ -65,18 +54,14 @@ impl Chunk {
 
     /// Removes the indexes of the messages.
     pub(super) fn take_indexes(&mut self) -> Indexes {
-        self.channels.sort_unstable();
         let mut indexes = Indexes { records: Vec::new(), channels: Vec::new() };
-        for channel in self.channels.drain(..) {
-            let entries = &mut self.entries[usize::from(channel)];
+        for (channel, entries) in std::mem::take(&mut self.entries) {
             let count = (entries.len() / ENTRY) as u64;
             indexes.channels.push((channel, indexes.records.len() as u64, count));
             record(&mut indexes.records, op::MESSAGE_INDEX, |out| {
                 out.extend_from_slice(&channel.to_le_bytes());
-                bytes(out, entries);
+                bytes(out, &entries);
             });
-            entries.clear();
-            entries.shrink_to(KEPT);
         }
         indexes
     }
