@@ -2,7 +2,7 @@
 
 use uavspec_runtime::Scalar;
 use uavspec_runtime::layout::{self, Member, Size};
-use uavspec_schema::layout::MAX_MESSAGE_SIZE;
+use uavspec_schema::limits::MAX_MESSAGE_SIZE;
 use uavspec_schema::source::Span;
 use uavspec_schema::value::Value;
 use uavspec_schema::{Element, Message, Schema, Shape};
@@ -10,10 +10,7 @@ use uavspec_schema::{Element, Message, Schema, Shape};
 use super::error::Defect;
 use super::plan::{Field, GROWTH, Plan, SLOT};
 use super::types::Types;
-
-/// Maximum nesting depth of messages. Codecs recurse once per level, so this limit bounds the stack. JSON readers may
-/// have a lower limit (`serde_json` allows 127 nested brackets). Real messages nest up to seven levels deep.
-pub(super) const MAX_DEPTH: usize = 32;
+use crate::limits::MAX_DEPTH;
 
 /// A type before its layout is computed.
 #[derive(Debug)]

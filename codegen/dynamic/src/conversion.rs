@@ -33,7 +33,7 @@ mod request;
 pub use self::build::{Conversions, Version};
 pub use self::expression::{Binary, Computed, Expression, Unary, ValueKind};
 pub use self::hints::{Hints, Mistake, read as read_hints};
-pub use self::memory::{Converter, MAX_CONVERTED, TooLarge};
+pub use self::memory::{Converter, TooLarge};
 pub use self::plan::{
     Conversion, Copy, CountLimit, Elements, Loss, LossKind, Narrowing, Neutral, Step, Undecided,
 };

@@ -50,6 +50,7 @@ pub mod conversion;
 mod error;
 mod initial;
 mod json;
+pub mod limits;
 pub mod members;
 mod message;
 mod plan;

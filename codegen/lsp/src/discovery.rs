@@ -12,8 +12,7 @@ use uavspec_schema::Form;
 use uavspec_schema::source::SourceMap;
 use uavspec_schema::table::{self, error_code, type_table};
 
-/// The maximum number of files and folders that are searched. PX4 with all submodules has about 60,000.
-const MAX_ENTRIES: usize = 200_000;
+use crate::limits::MAX_ENTRIES;
 
 /// The name of the package of open pages.
 const PAGES: &str = "pages";

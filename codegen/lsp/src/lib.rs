@@ -36,6 +36,7 @@ mod fixes;
 mod format;
 mod hover;
 mod layout;
+mod limits;
 mod lines;
 mod navigation;
 mod outline;

@@ -8,15 +8,7 @@ use crossbeam_channel::{Receiver, Sender, bounded};
 use lsp_server::{Connection, Message};
 use lsp_types::LspNotificationMethod;
 
-/// The maximum length of a message in bytes. The longest messages contain the text of a document.
-const MAX_MESSAGE: u64 = 64 << 20;
-
-/// The maximum length of a header line in bytes.
-const MAX_HEADER: u64 = 4 << 10;
-
-/// The maximum number of messages that wait for the server. It handles them together, so that the definitions are read
-/// once after an editor opens many files.
-const MAX_WAITING: usize = 256;
+use crate::limits::{MAX_HEADER, MAX_MESSAGE, MAX_WAITING};
 
 /// The threads that read and write the messages.
 pub(super) struct Threads {

@@ -23,9 +23,6 @@ use super::model::{Element, Interface, Message, Package, Schema, Type, shape_tex
 use crate::msg::Kind;
 use crate::msg::ast::Shape;
 
-/// The maximum number of fields of a message, including nested fields. The hash visits each field.
-pub const MAX_NESTED_FIELDS: u64 = 1 << 20;
-
 /// The 32-bit FNV-1a hash.
 struct Fnv1a(u32);
 

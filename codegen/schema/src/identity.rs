@@ -16,8 +16,7 @@ use std::{env, io};
 
 use same_file::Handle;
 
-/// The maximum number of symbolic links to follow, as on Linux.
-const MAX_LINKS: usize = 40;
+use crate::limits::MAX_LINKS;
 
 /// The identity of a file, which may be absent. Pipes and devices have none, because writing to them replaces nothing.
 #[derive(Debug)]

@@ -16,6 +16,7 @@ pub fn pretty(value: &(impl Serialize + ?Sized)) -> String {
 }
 
 /// Writes a value on several lines, with a final line break. Fails for a value whose keys aren't strings.
+#[allow(clippy::disallowed_methods, reason = "the replacement")]
 pub fn write_pretty(value: &(impl Serialize + ?Sized), to: &mut dyn Write) -> io::Result<()> {
     serde_json::to_writer_pretty(Escaping(&mut *to), value)?;
     writeln!(to)

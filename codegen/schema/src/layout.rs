@@ -6,9 +6,6 @@ use super::id::MessageId;
 use super::model::{CdrSize, Element, Message, Schema, Slot, UorbLayout, shape_text};
 use crate::msg::ast::Shape;
 
-/// The maximum size of a message. No PX4 or ROS 2 transport carries larger messages.
-pub const MAX_MESSAGE_SIZE: u64 = 16 << 20;
-
 /// The number of bytes before the first member of a CDR payload.
 const CDR_HEADER: u64 = 4;
 

@@ -59,6 +59,7 @@ pub mod identity;
 pub mod json_text;
 pub mod json_type;
 pub mod layout;
+pub mod limits;
 mod model;
 pub mod msg;
 pub mod name;

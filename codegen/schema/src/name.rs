@@ -1,10 +1,9 @@
 //! Names of packages and generated files.
 
+use crate::limits::MAX_NAME_LEN;
+
 /// The names of devices on Windows. A file with such a name can't be created there, even with an extension.
 const DEVICES: [&str; 6] = ["con", "prn", "aux", "nul", "conin$", "conout$"];
-
-/// The longest name of a file that all common file systems accept, in bytes.
-const MAX_LEN: usize = 255;
 
 /// True for letters, digits and `_`, starting with a letter.
 pub fn is_identifier(text: &str) -> bool {
@@ -52,7 +51,7 @@ pub fn file_problem(name: &str) -> Option<&'static str> {
         Some("ends with a dot or a space, which Windows removes")
     } else if is_reserved(name) {
         Some("is reserved on Windows")
-    } else if name.len() > MAX_LEN {
+    } else if name.len() > MAX_NAME_LEN {
         Some("is longer than 255 bytes")
     } else {
         None

@@ -15,11 +15,9 @@ use std::ops::Range;
 use std::sync::OnceLock;
 
 use crate::diagnostic::{Diagnostic, Problem};
+use crate::limits::MAX_SOURCE_LEN;
 pub use crate::span::Span;
 use crate::span::offset;
-
-/// The maximum length of a source, in bytes. The longest known definition is shorter than 60 kB.
-const MAX_SOURCE_LEN: usize = 4 << 20;
 
 /// The index of a source in a [`SourceMap`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -7,6 +7,7 @@
 pub mod foreign;
 pub mod input;
 pub mod json;
+pub mod limits;
 pub mod mcap;
 pub mod names;
 pub mod rosbag;

@@ -25,6 +25,7 @@ use std::sync::Arc;
 use uavspec_capture::mcap::OWN;
 use uavspec_dynamic::{DynamicMessage, MessageType};
 use uavspec_model::json::Tree;
+use uavspec_model::limits::MAX_NAME;
 use uavspec_model::text::utf8;
 use uavspec_model::{Detail, Extent, Findings, Location, Message};
 use uavspec_px4::comparison::{Comparison, compare_declared};
@@ -54,16 +55,7 @@ use super::release::{ReleaseMatch, release_matches};
 use super::summary::names;
 use super::topic::{confirms, definition_of, is_guess, is_same_type, plain};
 use super::{CaptureResult, CheckRun, Logged, Summary};
-
-/// The maximum length of a topic or schema name, in bytes. ROS 2 has the same limit.
-const MAX_NAME: usize = 256;
-
-/// The maximum number of fields in the types of all channels, with the fields of each nested message. A thousand PX4
-/// topics have a quarter of this number.
-const MAX_FIELDS: usize = 1 << 18;
-
-/// The maximum number of channels in a bag.
-const MAX_CHANNELS: usize = 1 << 16;
+use crate::limits::{MAX_BAG_CHANNELS, MAX_FIELDS};
 
 /// The metadata key for the type hash of a channel, as written by `rosbag2`.
 pub const HASH: &str = "topic_type_hash";
@@ -191,8 +183,8 @@ impl<'d> Channels<'d> {
             claimed.insert(*index);
             return Ok(*index);
         }
-        if self.open.len() >= MAX_CHANNELS {
-            return Err(format!("the bag has more than {MAX_CHANNELS} channels"));
+        if self.open.len() >= MAX_BAG_CHANNELS {
+            return Err(format!("the bag has more than {MAX_BAG_CHANNELS} channels"));
         }
         same.push(self.open.len());
         claimed.insert(self.open.len());

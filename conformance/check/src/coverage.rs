@@ -10,9 +10,7 @@ use uavspec_model::text::{plural, shown, thousands};
 use uavspec_px4::comparison::Comparison;
 
 use super::Line;
-
-/// The maximum number of topics or types that are listed by name. Hostile input may contain any number.
-const MAX_PARTS: usize = 10_000;
+use crate::limits::MAX_PARTS;
 
 /// The extent to which a capture, a session or a testee was checked.
 #[derive(Clone, Debug, Default, Serialize, schemars::JsonSchema)]

@@ -34,12 +34,7 @@ pub use self::summary::{FlockwaveSummary, TypeCount, UnreadTimes};
 use self::types::{FromServer, Types};
 use super::coverage::{PartResult, Parts, Share, Tally, Unit};
 use super::{CaptureResult, CheckRun, Summary, microseconds};
-
-/// The maximum number of connections. Hostile input may contain any number of connections.
-const MAX_CONNECTIONS: usize = 10_000;
-
-/// The maximum length of a connection name, in bytes.
-const MAX_NAME: usize = 128;
+use crate::limits::{MAX_CONNECTION_NAME, MAX_CONNECTIONS};
 
 /// The maximum length of `how`, in bytes. Longer values are ignored.
 const MAX_HOW: usize = 512;
@@ -298,8 +293,8 @@ impl<'d> FlockwaveChecker<'d> {
         if let Some(index) = self.connections.get(name) {
             return Ok(*index);
         }
-        if name.len() > MAX_NAME {
-            return Err(format!("the connection name is longer than {MAX_NAME} bytes"));
+        if name.len() > MAX_CONNECTION_NAME {
+            return Err(format!("the connection name is longer than {MAX_CONNECTION_NAME} bytes"));
         }
         let index = self.connections.len();
         if index >= MAX_CONNECTIONS {

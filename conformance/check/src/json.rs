@@ -11,6 +11,7 @@ use uavspec_capture::input::UpToError;
 use uavspec_capture::json::{Event, Problem, Reader};
 use uavspec_dynamic::DynamicView;
 use uavspec_model::json::{SyntaxError, TRUNCATED, Tree};
+use uavspec_model::limits::MAX_NAME;
 use uavspec_model::text::{plural, shown, utf8};
 use uavspec_model::{Channel, Extent, Location, Message};
 use uavspec_px4::json::{Clean, Dialects, MessageOrigin, Plans, decode};
@@ -27,12 +28,7 @@ use super::release::{ComparedTopic, ReleaseMatch, release_line, release_matches}
 use super::summary::names;
 use super::topic::{definition_of, definition_of_json, shows_type, topic_of};
 use super::{CaptureResult, CheckRun, Describe, Kind, Line, Summary, Totals};
-
-/// The maximum number of topics and types. Hostile input may contain any number of both.
-pub(crate) const MAX_CHANNELS: usize = 10_000;
-
-/// The maximum length of a topic or type name, in bytes. ROS 2 has the same limit.
-pub(crate) const MAX_NAME: usize = 256;
+use crate::limits::MAX_CHANNELS;
 
 /// The schema encoding that MCAP uses for ROS 2 types. rosbridge uses the same type names.
 pub(crate) const ROS: &str = "ros2msg";

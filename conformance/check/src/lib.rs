@@ -21,6 +21,7 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_macros, clippy::disallowed_methods))]
 
 pub mod convert;
+pub mod limits;
 pub mod timeline;
 
 mod bag;

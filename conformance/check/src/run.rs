@@ -18,12 +18,7 @@ use uavspec_schema::source::Span;
 use super::coverage::Parts;
 use super::flockwave::{Listeners, Report};
 use super::{CaptureResult, Clock, Observer, Summary, Unit};
-
-/// The maximum number of distinct corrupt parts to report.
-const MAX_CORRUPT_PARTS: usize = 100;
-
-/// The maximum number of notes.
-const MAX_NOTES: usize = 100;
+use crate::limits::{MAX_CORRUPT_PARTS, MAX_NOTES};
 
 /// The part of a check that all kinds of captures share: channels, sessions, and the rules that span several messages.
 pub(super) struct CheckRun<'d> {

@@ -31,7 +31,7 @@ use uavspec_schema::MessageId;
 use self::context::Context;
 pub use self::label::{Item, Label, Texts};
 use self::lane::Lanes;
-pub use self::lane::{Change, Lane, LaneKind, MAX_ALL_CHANGES, MAX_CHANGES, Part, Severity, Value};
+pub use self::lane::{Change, Lane, LaneKind, Part, Severity, Value};
 use self::px4::{Px4, TOPICS};
 pub use self::px4::{flags, number, reply_events, required_flags, state_value, text, topic_name};
 use self::session::{Session, TYPES};

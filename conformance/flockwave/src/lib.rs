@@ -11,6 +11,7 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_macros, clippy::disallowed_methods))]
 
 pub mod body_schema;
+pub mod limits;
 pub mod record;
 pub mod session;
 pub mod transport;

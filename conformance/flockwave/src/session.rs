@@ -27,20 +27,8 @@ use self::remembered::{ById, Remembered};
 pub use self::request::SentRequest;
 pub use self::vocabulary::{OPERATION, OPERATIONS, PARTS, parts};
 use crate::body_schema::BodySchemas;
+use crate::limits::{MAX_FAILURE, MAX_ID, MAX_ODD_IDS, MAX_REMEMBERED};
 use crate::record::{Connection, Direction, SessionRecord};
-
-/// The size limit of each list of remembered entries, in bytes.
-const MEMORY_LIMIT: usize = 8 << 20;
-
-/// The maximum length of a stored id, in bytes. Message ids have at most 36 characters, and object ids at most 64. Each
-/// character has up to four bytes.
-const MAX_ID: usize = 256;
-
-/// The maximum length of the stored reason of a failure, in characters.
-const MAX_FAILURE: usize = 200;
-
-/// The maximum number of stored ids that are not strings, for each connection.
-const MAX_ODD_IDS: usize = 64;
 
 /// The tolerance for times that go backwards, in seconds. Several threads may write a capture.
 const MAX_CLOCK_JITTER: f64 = 0.5;
@@ -146,10 +134,10 @@ impl Default for Sessions {
         Self {
             states: Vec::new(),
             serials: 0,
-            open: Remembered::new(MEMORY_LIMIT),
-            past: Remembered::new(MEMORY_LIMIT),
-            sent: ById::new(MEMORY_LIMIT),
-            operations: Operations::new(MEMORY_LIMIT),
+            open: Remembered::new(MAX_REMEMBERED),
+            past: Remembered::new(MAX_REMEMBERED),
+            sent: ById::new(MAX_REMEMBERED),
+            operations: Operations::new(MAX_REMEMBERED),
             adjustments: Adjustments::default(),
         }
     }

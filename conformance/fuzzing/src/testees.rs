@@ -4,8 +4,8 @@ use std::io::BufReader;
 use std::sync::LazyLock;
 
 use serde_json::Value;
+use uavspec_probe::limits::LINE_LIMIT;
 use uavspec_probe::testee::file::replay;
-use uavspec_probe::testee::options::LINE_LIMIT;
 use uavspec_probe::testee::{Case, Outcome, Verdict, cases, from_wire, to_wire};
 use uavspec_schema::terminal::shown;
 

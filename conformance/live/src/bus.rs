@@ -25,12 +25,7 @@ use uavspec_model::clock::Clock;
 use uavspec_model::{Endpoint, Qos};
 
 pub use self::address::{Address, Scheme};
-
-/// The maximum length of the name of a topic, a type or a node, in bytes.
-pub(crate) const MAX_NAME: usize = 256;
-
-/// The maximum number of endpoints that a bus reports.
-pub(crate) const MAX_ENDPOINTS: usize = 10_000;
+use crate::limits::MAX_ENDPOINTS;
 
 /// Connects to a bus. `peers` are IP addresses of computers that multicast doesn't reach. `names` are topics to receive
 /// from a bus that can't list its topics.

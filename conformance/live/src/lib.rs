@@ -11,5 +11,6 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_macros, clippy::disallowed_methods))]
 
 pub mod bus;
+mod limits;
 pub mod vehicle;
 pub mod watch;

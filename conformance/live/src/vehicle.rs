@@ -43,13 +43,14 @@ use uavspec_rules::px4::Side;
 use self::actor::{Actor, Step, role, step};
 use self::inquiry::Inquiry;
 pub use self::namespace::Namespace;
-use self::recorder::{MAX_SIZE, Recorder};
+use self::recorder::Recorder;
 pub use self::reference::serve;
 use self::release::Release;
 use self::role::{Purpose, Role};
 use self::temporary::Temporary;
 pub use self::temporary::remove_recordings;
-use crate::bus::{Bus, Event, MAX_ENDPOINTS, Topic};
+use crate::bus::{Bus, Event, Topic};
+use crate::limits::{MAX_ENDPOINTS, MAX_RECORDING};
 
 /// The time after which the release of the vehicle is chosen. Publishers are discovered until then.
 const START: Duration = Duration::from_millis(1_500);
@@ -326,8 +327,8 @@ impl<'p> Probe<'p> {
         while self.cut_short.is_none() && self.clock.now() < end {
             if (self.options.is_stopped)() {
                 self.cut_short = Some("interrupted".to_owned());
-            } else if self.recorder.size() > MAX_SIZE {
-                self.cut_short = Some(format!("the recording reached {} GiB", MAX_SIZE >> 30));
+            } else if self.recorder.size() > MAX_RECORDING {
+                self.cut_short = Some(format!("the recording reached {} GiB", MAX_RECORDING >> 30));
             }
             let deadline = end.min(self.clock.now() + NOTICE_TIME);
             let Step { received, sent } = step(&mut self.actors, self.bus, deadline);

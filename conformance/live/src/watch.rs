@@ -9,7 +9,7 @@
 //! ```
 //!
 //! Servers are not trusted. A [`message`] keeps only the data that the display needs, and a fleet has at most
-//! `UAV_LIMIT` UAVs. All text from a server is escaped before it is shown.
+//! `MAX_UAVS` UAVs. All text from a server is escaped before it is shown.
 
 pub mod codes;
 pub mod fleet;

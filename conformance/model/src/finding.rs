@@ -5,19 +5,11 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use uavspec_schema::source::Span;
 
+use crate::limits::{MAX_ALL_GROUPS, MAX_GROUPS, MAX_LATEST};
 use crate::{Detail, Excuse, Level, Location, Rule, SubjectName};
 
 /// The maximum number of examples for each group.
 pub const MAX_EXAMPLES: usize = 3;
-
-/// The maximum number of groups for each rule. Hostile input could produce any number of groups.
-const MAX_GROUPS: usize = 1_000;
-
-/// The maximum number of groups for all rules.
-const MAX_ALL_GROUPS: usize = 10_000;
-
-/// The maximum number of findings in a record that can be removed again.
-const MAX_LATEST: usize = 10_000;
 
 /// The findings of one rule in one subject.
 #[derive(Clone, Debug)]

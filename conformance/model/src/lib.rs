@@ -12,6 +12,7 @@
 
 pub mod clock;
 pub mod json;
+pub mod limits;
 pub mod net;
 pub mod text;
 

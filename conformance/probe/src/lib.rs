@@ -34,6 +34,7 @@
 
 #![cfg_attr(not(test), warn(clippy::disallowed_macros, clippy::disallowed_methods))]
 
+pub mod limits;
 pub mod self_test;
 pub mod testee;
 
@@ -82,6 +83,7 @@ pub use self::selection::Selection;
 use self::session::Session;
 pub use self::stop::Stop;
 use self::tape::Tape;
+use crate::limits::MAX_NOTES;
 
 /// The time limit for connecting. Until then, refused connections are retried, because the server may be starting.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
@@ -97,9 +99,6 @@ const REDUCED_PACE: (u32, Duration) = (3, Duration::from_millis(300));
 /// interval.
 const MAX_RESENDS: u32 = 3;
 const RESEND_INTERVAL: Duration = Duration::from_millis(100);
-
-/// The maximum number of notes.
-const MAX_NOTES: usize = 50;
 
 /// The maximum number of panics after which the probe still tries to land UAVs.
 const MAX_PANICS: u32 = 3;

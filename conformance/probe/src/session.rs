@@ -15,15 +15,10 @@ use uavspec_model::clock::Clock;
 use super::INTERRUPTED;
 use super::stop::{NOTICE_TIME, Stop};
 use super::tape::{TOO_LONG, Tape};
-
-/// The maximum number of unanswered requests whose ids are stored.
-const MAX_WAITING: usize = 1_000;
+use crate::limits::{MAX_LATE, MAX_WAITING};
 
 /// The reason recorded if the server closes a connection.
 const CLOSED: &str = "eof";
-
-/// The maximum number of late messages to read at a time. Other connections must get their turn.
-const MAX_LATE: usize = 1_000;
 
 /// The time after which a connection is idle.
 const IDLE_TIME: Duration = Duration::from_secs(5);

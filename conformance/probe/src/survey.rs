@@ -9,15 +9,13 @@ use uavspec_rules::flockwave::trial::{self, Request, UNKNOWN_ID};
 use uavspec_rules::flockwave::{ack_06, env_24, sys_ping_01};
 
 use super::Probe;
+use crate::limits::MAX_OBJECTS;
 
 /// The approximate number of steps.
 pub(super) const STEPS: usize = 80;
 
 /// A message type that doesn't exist.
 const UNKNOWN_TYPE: &str = "PROBE-NONE";
-
-/// The maximum number of objects to request in detail.
-const MAX_OBJECTS: usize = 50;
 
 /// The time limit for the first UAV to appear. Some servers only have UAVs while a client is connected.
 const UAV_TIMEOUT: Duration = Duration::from_secs(5);

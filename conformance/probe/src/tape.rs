@@ -15,14 +15,10 @@ use uavspec_model::json::Tree;
 use uavspec_model::text::thousands;
 use uavspec_rules::definitions::Definitions;
 
+use crate::limits::{MAX_KEPT, MAX_RECORDED};
+
 /// The text recorded for a received message over the length limit.
 pub(super) const TOO_LONG: &[u8] = b"(more than 16 MiB)";
-
-/// The maximum size of a recording, in bytes. A server can send without end.
-const MAX_RECORDED: u64 = 1 << 30;
-
-/// The maximum size of the lines that are kept back, in bytes.
-const MAX_KEPT: usize = 4 << 20;
 
 /// The maximum length of the content of another event, in bytes.
 const MAX_OTHER: usize = 1_000;

@@ -13,6 +13,7 @@
 pub mod comparison;
 pub mod format;
 pub mod json;
+mod limits;
 pub mod memory;
 pub(crate) mod values;
 

@@ -18,10 +18,7 @@ use uavspec_schema::{Element, MessageId, Restriction, Shape};
 use self::accepted::Accepted;
 use super::ValueRules;
 use super::values::{Coverage, Encoding, detail, entries_in_use, rules_on};
-
-/// The maximum length of a path or subject in a plan, in characters. There is one of each for each field of each entry,
-/// and names in captures have any length.
-const MAX_PATH: usize = 256;
+use crate::limits::{MAX_PATH, MAX_REPORTED};
 
 /// The compiled checks of a format.
 #[derive(Debug)]
@@ -407,9 +404,6 @@ fn restriction(source: Source<'_>) -> Option<Box<Restriction>> {
     restriction.special.clone_from(&defined.special);
     Some(restriction)
 }
-
-/// The number of findings in a payload that are reported separately. A small compressed payload can contain millions.
-const MAX_REPORTED: usize = 10_000;
 
 /// The maximum number of rules and steps whose further findings are only counted.
 const MAX_SETTLED: usize = 16;

@@ -14,6 +14,7 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_macros, clippy::disallowed_methods))]
 
 pub mod definitions;
+pub mod limits;
 
 pub mod flockwave;
 pub mod px4;

@@ -17,14 +17,7 @@ use reqwest::redirect::{Action, Attempt, Policy};
 use reqwest::{Certificate, Client, NoProxy, Proxy};
 use uavspec_model::text::{shown_url, thousands};
 
-/// The maximum size of an answer, in bytes. Ranges of objects are smaller, and so are the parts of lists.
-const MAX_ANSWER: usize = 32 << 20;
-
-/// The maximum number of requests for a list. Stores send 1,000 objects in each part.
-const MAX_REQUESTS: u64 = 10_000;
-
-/// The maximum number of redirects of a request.
-const MAX_REDIRECTS: usize = 5;
+use crate::limits::{MAX_ANSWER, MAX_REDIRECTS, MAX_REQUESTS};
 
 /// A limit that a server exceeds, or a redirect to another host. Another attempt would end in the same way.
 #[derive(Debug)]

@@ -21,6 +21,7 @@ use uavspec_model::text::{shown_url, thousands, utf8};
 use url::{Position, Url};
 
 use crate::client::{Budget, Connector};
+use crate::limits::{MAX_LIST, MAX_SERVERS};
 use crate::object::Object;
 use crate::request::{attempts, runtime, text};
 
@@ -34,12 +35,6 @@ const LIMITS: [(ClientConfigKey, &str); 3] = [
 
 /// The maximum time for all attempts of a request.
 const RETRIES: Duration = Duration::from_secs(120);
-
-/// The maximum size of a list of URLs, in bytes. It also applies to the URLs of the objects in a folder.
-const MAX_LIST: u64 = 32 << 20;
-
-/// The maximum number of servers and buckets in a list.
-const MAX_SERVERS: usize = 100;
 
 /// Lists the captures that a URL denotes: a capture, the objects in a folder, or the lines of a list on a web server.
 ///

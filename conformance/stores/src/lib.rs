@@ -12,6 +12,7 @@
 
 mod client;
 mod connect;
+mod limits;
 mod object;
 mod reader;
 mod request;

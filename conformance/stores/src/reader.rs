@@ -12,13 +12,11 @@ use tokio::task::JoinHandle;
 use uavspec_capture::input::Failure;
 use uavspec_model::text::thousands;
 
+use crate::limits::MAX_OBJECT;
 use crate::request::{attempts, runtime, text};
 
 /// The size of a range, in bytes. Two ranges are in memory for each reader.
 const RANGE: u64 = 4 << 20;
-
-/// The maximum size of an object, in bytes.
-const MAX_OBJECT: u64 = 1 << 40;
 
 /// The state of an object.
 #[derive(Clone, Debug)]

@@ -153,8 +153,8 @@ fn converted(schema: &Schema, conversion: &Conversion) -> Vec<(Value, Value)> {
     let pairs = (0..NUM_CASES).map(|_| {
         let payload: Vec<u8> = (0..size.padded).map(|_| next()).collect();
         let message = source.decode_uorb(&payload).expect("a message");
-        let converted = converter.convert(&message).expect("a message");
-        (message.to_json().expect("JSON"), converted.to_json().expect("JSON"))
+        let result = converter.convert(&message).expect("a message");
+        (message.to_json().expect("JSON"), result.to_json().expect("JSON"))
     });
     pairs.collect()
 }

@@ -8,10 +8,7 @@ use uavspec_schema::{ErrorCode, Interface, Kind, MessageId, Package, Schema, Typ
 use super::message::{Between, Matched, Matching, Pair, PairOf, is_uorb};
 use super::order::likeness;
 use super::signature::Signatures;
-
-/// The maximum number of field comparisons when detecting renamed messages. If more comparisons are needed, renames are
-/// not detected.
-const MAX_COMPARISONS: usize = 1_000_000;
+use crate::limits::MAX_COMPARISONS;
 
 /// Two matched versions of definitions.
 #[derive(Debug)]

@@ -4,6 +4,7 @@ use uavspec_schema::Element;
 
 use super::message::Kept;
 use super::prelude::*;
+use crate::limits::MAX_COMPARISONS;
 
 pub(super) const RULE: Rule = Rule {
     id: "field-moved",
@@ -16,9 +17,6 @@ pub(super) const RULE: Rule = Rule {
     new: &[glider!["float32 bank      # [rad] Bank angle", "float32 sink      # [m/s] Sink rate"]],
     check: Check::Message(check),
 };
-
-/// The maximum number of comparisons when searching for the field that swapped places with a moved field.
-const MAX_COMPARISONS: usize = 1_000_000;
 
 fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
     let kept: Vec<&Kept> = pair.kept().collect();

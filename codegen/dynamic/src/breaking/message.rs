@@ -7,8 +7,9 @@ use uavspec_schema::source::Span;
 use uavspec_schema::{Constant, Dialect, Element, Field, Form, Kind, Message, MessageId, Schema, Type};
 
 use super::order;
-use super::order::{MAX_COMPARISONS, align, likeness};
+use super::order::{align, likeness};
 use super::signature::{SchemaSignatures, plain};
+use crate::limits::MAX_REORDERINGS;
 
 /// The kind of versions compared (commits or releases), which determines how `MESSAGE_VERSION` may change.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
@@ -202,7 +203,7 @@ impl<'a> Matching<'a, '_> {
         let is_taken: BTreeSet<usize> = twin_of.values().copied().collect();
         let removed = gaps(&old.fields, |at| twin_of.contains_key(&at));
         let added = gaps(&new.fields, |at| is_taken.contains(&at));
-        let mut budget = MAX_COMPARISONS;
+        let mut budget = MAX_REORDERINGS;
         for (anchor, removed) in &removed {
             let Some(added) = added.get(anchor) else { continue };
             let field = |at: usize| &old.fields[removed[at]];

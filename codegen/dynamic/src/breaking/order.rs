@@ -24,10 +24,6 @@ pub(super) fn moved(positions: &[usize]) -> Vec<bool> {
     moved
 }
 
-/// The maximum number of name comparisons per message, for all runs of unmatched fields together. Beyond this limit,
-/// fields are matched by their order.
-pub(super) const MAX_COMPARISONS: usize = 20_000;
-
 /// Matches two sequences without crossing pairs. Maximizes the number of pairs that satisfy `can_match`, and then their
 /// total similarity. The returned pairs of indices are in ascending order. `budget` is the number of remaining
 /// comparisons.

@@ -110,7 +110,9 @@ impl Writer<'_> {
         if bounds.is_wide {
             let units = code_units(text)?;
             self.length(units.len())?;
-            units.into_iter().for_each(|unit| self.number(unit.into()));
+            for unit in units {
+                self.number(unit.into());
+            }
         } else {
             if text.contains(&0) {
                 return None;

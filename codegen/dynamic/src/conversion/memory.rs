@@ -14,11 +14,8 @@ use self::number::{Number, read, write};
 use self::place::{Place, Room};
 use super::expression::Expression;
 use super::plan::Conversion;
+use crate::limits::MAX_CONVERTED;
 use crate::{DynamicMessage, MessageType, SLOT, part, sequence};
-
-/// The maximum size of a converted message in memory, in bytes. Without a limit, a sequence of messages that gain many
-/// fields could take up much more memory than its payload.
-pub const MAX_CONVERTED: usize = 256 << 20;
 
 /// A conversion, compiled for the types of the source and the target.
 #[derive(Debug)]

@@ -1,7 +1,8 @@
 //! Compares conversions in memory with the reference, which converts JSON.
 
 use proptest::prelude::*;
-use uavspec_dynamic::conversion::{Conversion, Conversions, Converter, LossKind, MAX_CONVERTED};
+use uavspec_dynamic::conversion::{Conversion, Conversions, Converter, LossKind};
+use uavspec_dynamic::limits::MAX_CONVERTED;
 use uavspec_dynamic::{DynamicMessage, Types};
 use uavspec_runtime::cdr::ByteOrder;
 use uavspec_schema::Schema;

@@ -12,15 +12,10 @@ use super::constraint::{Argument, RANGE, Stated, read_range};
 use super::statement::{self, Statement, Vocabulary, unknown};
 use super::words::split_word;
 use crate::diagnostic::{Diagnostic, Problem};
+use crate::limits::{MAX_ANNOTATION_LEN, MAX_UNIT_LEN};
 use crate::source::Span;
 use crate::unit;
 use crate::value::Value;
-
-/// The maximum length of a unit; longer text in brackets is prose.
-const MAX_UNIT_LEN: usize = 20;
-
-/// The maximum length of an annotation. The limit makes the search for `]` linear.
-const MAX_ANNOTATION_LEN: usize = 400;
 
 /// The start of an annotation that contains a regular expression.
 const PATTERN: &str = "[@pattern ";

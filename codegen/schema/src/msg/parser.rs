@@ -11,18 +11,13 @@ use super::annotation;
 use super::ast::{Comment, Definition, Element, Item, Line, Name, Part, Shape, Type};
 use super::kind::{Dialect, Kind};
 use crate::diagnostic::{Diagnostic, Problem, has_errors};
+use crate::limits::{MAX_ARRAY, MAX_BAD_LINES};
 use crate::name::is_identifier;
 use crate::source::Span;
 use crate::{characters, directive};
 
-/// The maximum length of an array or string. The size of the whole message is checked later.
-const MAX_LENGTH: u32 = 16 << 20;
-
 /// The tool that reads the messages of PX4.
 const PX4_GENERATOR: &str = "PX4's generator";
-
-/// The maximum number of invalid lines. A file with more invalid lines is not a definition.
-const MAX_BAD_LINES: usize = 1_000;
 
 pub(super) fn parse(
     text: &str,
@@ -272,10 +267,10 @@ impl<'s> LineParser<'s, '_> {
         }
         match digits.parse::<u32>() {
             Ok(0) => Err(self.report(Problem::ZeroLength, span)),
-            Ok(length) if length <= MAX_LENGTH => Ok(length),
+            Ok(length) if length <= MAX_ARRAY => Ok(length),
             _ => {
                 Err(self
-                    .report(Problem::TooLarge { what: format!("`{whole}`"), max: MAX_LENGTH.into() }, span))
+                    .report(Problem::TooLarge { what: format!("`{whole}`"), max: MAX_ARRAY.into() }, span))
             }
         }
     }

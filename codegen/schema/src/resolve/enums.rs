@@ -5,12 +5,10 @@ use uavspec_runtime::Scalar;
 use super::gather::by_prefix;
 use super::resolver::{PendingEnum, Resolver, id};
 use crate::diagnostic::{Diagnostic, Problem};
+use crate::limits::MAX_MEMBERS;
 use crate::msg::statement::Prefix;
 use crate::source::Span;
 use crate::{Element, EnumRef, MessageId};
-
-/// The maximum total number of enum members.
-const MAX_MEMBERS: usize = 1 << 20;
 
 impl<'s> Resolver<'s> {
     /// The message that defines the constants: the current message, or the message named in the prefix.

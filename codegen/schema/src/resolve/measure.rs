@@ -2,19 +2,10 @@
 
 use super::resolver::{Resolver, id};
 use crate::diagnostic::{Diagnostic, Problem};
-use crate::fingerprint::MAX_NESTED_FIELDS;
-use crate::layout::MAX_MESSAGE_SIZE;
+use crate::limits::{MAX_MESSAGE_SIZE, MAX_NESTED_FIELDS, MAX_NESTED_FIELDS_IN_ALL, MAX_NESTING};
 use crate::msg::ast;
 use crate::parallel::in_parts;
 use crate::{Element, MessageId, fingerprint, layout};
-
-/// The maximum number of levels below a message. Emitters recurse once per level, so this limit bounds the stack. Real
-/// messages nest up to seven levels deep.
-const MAX_DEPTH: u64 = 1_000;
-
-/// The maximum total number of fields in all messages, including nested fields. The limit exists because computing the
-/// hashes visits each field. The largest PX4 release has a few thousand fields.
-const MAX_NESTED_FIELDS_IN_ALL: u64 = 1 << 22;
 
 impl Resolver<'_> {
     /// Computes layouts and sizes, and checks their limits.
@@ -52,14 +43,14 @@ impl Resolver<'_> {
     /// True if messages are nested too deeply in a message, which is then reported.
     fn is_too_deep(&mut self, index: usize, depth: u64) -> bool {
         let message = &self.schema.messages[index];
-        if depth <= MAX_DEPTH {
+        if depth <= MAX_NESTING {
             return false;
         }
         let nested = message.fields.iter().find(|field| matches!(field.ty.element, Element::Message(_)));
         let span = nested.map_or(message.span.part(0..0), |field| field.span);
         let name = message.name.clone();
         self.report(Diagnostic::new(
-            Problem::TooMuchNesting { name, max: MAX_DEPTH, what: "levels of nested messages" },
+            Problem::TooMuchNesting { name, max: MAX_NESTING, what: "levels of nested messages" },
             span,
         ));
         true

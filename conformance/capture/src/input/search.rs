@@ -6,9 +6,7 @@ use std::path::{Path, PathBuf};
 
 use walkdir::WalkDir;
 
-/// The maximum number of links to folders that a search follows. Folders that link to each other in several ways could
-/// yield any number of paths.
-const MAX_LINKS: usize = 10_000;
+use crate::limits::MAX_LINKS;
 
 /// The reason for skipping a link to one of the folders that contain it.
 pub(super) const CYCLE: &str = "a link to a folder that contains it";

@@ -4,9 +4,10 @@ use std::io::{self, Read};
 
 use mcap::records::op;
 
-use super::sound::{self, HEAD, MAX_RECORD, can_be, has_parts, is_private};
+use super::sound::{self, HEAD, can_be, has_parts, is_private};
 use super::unpack::{Packing, Unpacker};
 use super::window::Window;
+use crate::limits::MAX_RECORD;
 
 /// A chunk that is being read.
 pub(super) struct Chunk {

@@ -16,6 +16,7 @@ use super::sound::{
 use super::unpack::{Packing, Unpacker};
 use super::window::Window;
 use super::{Event, Item, MAGIC, Problem};
+use crate::limits::MAX_PACKED;
 
 /// The size in bytes of the window that is searched for the next valid record. The search doesn't find messages that
 /// are longer than this window.
@@ -71,12 +72,6 @@ struct Found {
 }
 
 impl<R: Read> Reader<R> {
-    /// The maximum length of a returned record, in bytes.
-    pub const MAX_RECORD: u64 = sound::MAX_RECORD;
-
-    /// The maximum size of a compressed chunk, in bytes.
-    pub(crate) const MAX_PACKED: u64 = 256 << 20;
-
     /// Creates a reader at the first byte of `input`.
     pub fn new(input: R) -> Self {
         Self {
@@ -511,7 +506,7 @@ impl<R: Read> Reader<R> {
             return self.search(offset, Malformed::Parts { opcode: op::CHUNK });
         };
         let packing = Packing::from_name(&head.packing);
-        if packing.is_some() && head.packed > Self::MAX_PACKED {
+        if packing.is_some() && head.packed > MAX_PACKED {
             return self.search(offset, Malformed::Length { opcode: op::CHUNK, length });
         }
         if packing.is_none() && !head.packing.is_empty() {

@@ -5,22 +5,13 @@ use std::collections::BTreeMap;
 use mcap::records::{Metadata, Record, op};
 
 use super::{Event, MAGIC};
+use crate::limits::{MAX_ADDED, MAX_PACKING, MAX_RECORD};
 
 /// The size of a record header: an opcode and a length.
 pub(super) const HEAD: usize = 9;
 
-/// The maximum length of a buffered record, in bytes: twice the size of a large image.
-pub(super) const MAX_RECORD: u64 = 64 << 20;
-
 /// The sizes of the fixed parts of a chunk, before and after the compression name.
 const CHUNK_FIXED: (usize, usize) = (28, 8);
-
-/// The maximum plausible length of a compression name, in bytes.
-const MAX_PACKING: usize = 64;
-
-/// The maximum number of bytes after the known fields of a record with a fixed size, a chunk or an attachment. Later
-/// versions of the format may add fields at the end of all records except messages.
-const MAX_ADDED: u64 = 4_096;
 
 /// The size in bytes of the fixed part of a message, which precedes the payload.
 const MESSAGE_FIXED: u64 = 22;

@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use saphyr_parser::{Event, Parser};
 use uavspec_model::text::shown;
 
+use crate::limits::{MAX_BAG_FILES, MAX_BAG_TOPICS, MAX_METADATA, MAX_METADATA_DEPTH};
 use crate::names::is_bag;
 
 /// The name of the file.
@@ -26,18 +27,6 @@ const MARKS: [&str; 3] = [ROOT, TOPICS, FILES];
 
 /// The key of the list of files.
 const FILES: &str = "relative_file_paths";
-
-/// The maximum size of the file, in bytes. The topics of a large robot take up a tenth of this space.
-const MAX_SIZE: usize = 4 << 20;
-
-/// The maximum number of files in a bag.
-const MAX_FILES: usize = 10_000;
-
-/// The maximum number of topics in a bag.
-const MAX_TOPICS: usize = 1 << 16;
-
-/// The maximum number of nested lists and mappings. rosbag2 writes up to nine.
-const MAX_DEPTH: usize = 32;
 
 /// The maximum number of problems that are kept.
 const MAX_PROBLEMS: usize = 10;
@@ -107,7 +96,7 @@ impl Metadata {
     /// can't be read, all bags in the folder count as listed.
     pub fn read(folder: &Path) -> io::Result<Option<Self>> {
         let mut text = Vec::new();
-        open(&folder.join(FILE_NAME))?.take(MAX_SIZE as u64 + 1).read_to_end(&mut text)?;
+        open(&folder.join(FILE_NAME))?.take(MAX_METADATA as u64 + 1).read_to_end(&mut text)?;
         let Some(mut found) = Self::parse(&text) else { return Ok(None) };
         if !found.problems.is_empty() {
             found.add_unlisted(folder)?;
@@ -133,10 +122,10 @@ impl Metadata {
     /// Parses the text of the file. Aliases aren't resolved, since rosbag2 writes none.
     pub fn parse(text: &[u8]) -> Option<Self> {
         let mut found = Self::default();
-        if text.len() > MAX_SIZE {
-            found.problem(format!("it is longer than {MAX_SIZE} bytes; the rest isn't read"));
+        if text.len() > MAX_METADATA {
+            found.problem(format!("it is longer than {MAX_METADATA} bytes; the rest isn't read"));
         }
-        let text = String::from_utf8_lossy(&text[..text.len().min(MAX_SIZE)]);
+        let text = String::from_utf8_lossy(&text[..text.len().min(MAX_METADATA)]);
         if !MARKS.iter().any(|mark| text.contains(mark)) {
             return None;
         }
@@ -179,8 +168,8 @@ impl Metadata {
                 Event::Alias(_) => is_end_of_value = true,
                 _ => {}
             }
-            if levels.len() > MAX_DEPTH {
-                return Err(format!("it has more than {MAX_DEPTH} nested lists and mappings"));
+            if levels.len() > MAX_METADATA_DEPTH {
+                return Err(format!("it has more than {MAX_METADATA_DEPTH} nested lists and mappings"));
             }
             if let (true, Some(level)) = (is_end_of_value, levels.last_mut()) {
                 level.key = None;
@@ -209,8 +198,8 @@ impl Metadata {
             }
             [ROOT, TOPICS | "files", "", "message_count"] => entry.count = self.number(value),
             [ROOT, FILES, ""] => match name_of(value) {
-                Some(_) if self.files.len() >= MAX_FILES => {
-                    self.problem(format!("it lists more than {MAX_FILES} files"));
+                Some(_) if self.files.len() >= MAX_BAG_FILES => {
+                    self.problem(format!("it lists more than {MAX_BAG_FILES} files"));
                 }
                 Some(name) => self.files.push(name.to_owned()),
                 None => self.problem(format!("`{}` is not the name of a file", shown(value))),
@@ -227,8 +216,8 @@ impl Metadata {
             _ => return,
         };
         let Entry { name, encoding, count } = mem::take(entry);
-        if self.topic_counts.len().max(self.encodings.len()) >= MAX_TOPICS {
-            return self.problem(format!("it lists more than {MAX_TOPICS} topics"));
+        if self.topic_counts.len().max(self.encodings.len()) >= MAX_BAG_TOPICS {
+            return self.problem(format!("it lists more than {MAX_BAG_TOPICS} topics"));
         }
         let name = if is_topic { name } else { name_of(&name).unwrap_or_default().to_owned() };
         if let Some(count) = count {

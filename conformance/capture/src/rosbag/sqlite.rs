@@ -31,18 +31,7 @@ use uavspec_model::Extent;
 use uavspec_model::text::{command_line, shown, thousands};
 
 use super::metadata;
-
-/// The maximum size of a payload, in bytes. Records of MCAP files have the same limit.
-const MAX_PAYLOAD: usize = 64 << 20;
-
-/// The maximum number of topics, and of message definitions.
-const MAX_ROWS: usize = 10_000;
-
-/// The maximum number of characters of a name that are read. Longer names are rejected later.
-const MAX_NAME: usize = 300;
-
-/// The maximum memory of all databases that are open at the same time, in bytes. Payloads don't count.
-const MAX_HEAP: i64 = 96 << 20;
+use crate::limits::{MAX_HEAP, MAX_NAME, MAX_PAYLOAD, MAX_ROWS};
 
 /// The size of the page cache of a database, in KiB.
 const CACHE: i64 = 512;

@@ -6,14 +6,10 @@ use uavspec_dynamic::{FormatError, FormatProblem, MessageType, Types};
 use uavspec_runtime::layout::Size;
 use uavspec_schema::MessageId;
 
-use super::log_problem::{LogProblem, MAX_FORMATS, MAX_TEXT};
+use super::log_problem::LogProblem;
 use super::message::Event;
 use super::reader::Item;
-
-/// The maximum total size of compiled formats, in bytes. A format counts each time it is compiled. The limit is
-/// sufficient for a log that writes each of PX4's 261 formats just before the first data of its topic. Because of the
-/// limit, a malicious log can cause at most two seconds of work.
-const MAX_COMPILED: usize = 16 << 20;
+use crate::limits::{MAX_COMPILED, MAX_FORMAT_TEXT, MAX_FORMATS};
 
 /// The formats and subscriptions of a log, up to the current item.
 #[derive(Debug, Default)]
@@ -320,7 +316,7 @@ impl Log {
 
     /// Reserves space for a string. Returns false if the limit is reached.
     fn add_text(&mut self, size: usize) -> bool {
-        let has_room = self.text + size <= MAX_TEXT;
+        let has_room = self.text + size <= MAX_FORMAT_TEXT;
         if has_room {
             self.text += size;
         }

@@ -4,12 +4,7 @@ use std::fmt;
 
 use uavspec_dynamic::{FormatError, FormatProblem};
 
-/// The maximum number of formats. PX4 has 261 messages. A log could use 65,536 ids, but no real log does.
-pub(super) const MAX_FORMATS: usize = 8_192;
-
-/// The maximum total size of formats and topics, in bytes. The formats of real logs take 22 to 32 kB. Types take up to
-/// fifty times as much memory as their text, so a malicious log uses at most about 50 MB of memory.
-pub(super) const MAX_TEXT: usize = 1 << 20;
+use crate::limits::{MAX_FORMAT_TEXT, MAX_FORMATS};
 
 /// A problem with a log's data, formats or subscriptions.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -120,7 +115,7 @@ impl fmt::Display for LogProblem {
             Self::TooMuchText => {
                 write!(
                     formatter,
-                    "ignored a format or topic: the limit for all formats and topics together is {MAX_TEXT} bytes"
+                    "ignored a format or topic: the limit for all formats and topics together is {MAX_FORMAT_TEXT} bytes"
                 )
             }
             Self::TooManyLateFormats => formatter

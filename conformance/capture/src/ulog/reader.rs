@@ -294,10 +294,8 @@ impl<R> Reader<R> {
         match event {
             Event::Subscription { id, .. } => self.ids.subscribe(id),
             Event::Data { id, .. } => self.ids.see(id, size),
-            Event::Unknown { kind, .. } => {
-                if self.unknown.insert(kind) {
-                    self.queued.push_back((offset, Problem::UnknownKind(kind)));
-                }
+            Event::Unknown { kind, .. } if self.unknown.insert(kind) => {
+                self.queued.push_back((offset, Problem::UnknownKind(kind)));
             }
             Event::FlagBits { .. } if self.state == State::Messages => {
                 self.queued.push_back((offset, Problem::FlagBitsNotFirst));

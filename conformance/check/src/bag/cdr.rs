@@ -5,7 +5,7 @@ use std::io::Read as _;
 use std::rc::Rc;
 
 use uavspec_capture::input::zstd::{self, MAGIC as ZSTD};
-use uavspec_capture::mcap::Reader;
+use uavspec_capture::limits::MAX_RECORD;
 use uavspec_dynamic::{DynamicMessage, DynamicView, MessageType};
 use uavspec_model::{Channel, Detail, Findings, Location, Rule, hexadecimal};
 use uavspec_px4::memory::{Plan, shared_fields, time_offset};
@@ -19,7 +19,7 @@ use super::Stated;
 use crate::coverage::Share;
 
 /// The maximum size of a decompressed message, in bytes. Uncompressed messages have the same limit.
-const MAX_UNPACKED: u64 = Reader::<&[u8]>::MAX_RECORD;
+const MAX_UNPACKED: u64 = MAX_RECORD;
 
 /// A decoded message.
 pub(super) struct Seen {

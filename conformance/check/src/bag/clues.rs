@@ -11,22 +11,17 @@ use uavspec_capture::mcap::{ENDPOINT, Event, Item, LIBRARY, OWN, Reader, metadat
 use uavspec_capture::rosbag::metadata::distribution;
 use uavspec_capture::rosbag::sqlite::{Bag, Definition, Facts};
 use uavspec_model::Endpoint;
+use uavspec_model::limits::MAX_NAME;
 use uavspec_rules::definitions::{Clues, TypeClue, version_of_topic};
 use uavspec_schema::derived_from;
 
 use super::cdr::decompressed;
-use super::schemas::{MAX_SCHEMA, MAX_SCHEMAS};
-use super::{HASH, MAX_NAME, Stated, is_comparable};
+use super::{HASH, Stated, is_comparable};
 use crate::Source;
 use crate::json::Found;
+use crate::limits::{MAX_METADATA, MAX_SCHEMA, MAX_SCHEMAS, MAX_TYPES};
 use crate::release::MAX_AHEAD;
 use crate::topic::{full_name, plain};
-
-/// The maximum number of types.
-const MAX_TYPES: usize = 10_000;
-
-/// The maximum length of a metadata record that is read to find the distribution, in bytes.
-const MAX_METADATA: u64 = 4 << 20;
 
 /// The length of an MCAP file's footer record with the magic at the end of the file, in bytes.
 const FOOTER: usize = 9 + 20 + 8;

@@ -13,11 +13,9 @@ use uavspec_rules::definitions::Clues;
 use super::mcap::McapFile;
 use super::sqlite::{self, SQLITE};
 use super::{BagContent, BagFile, BagSummary, Channels, MCAP, clues};
+use crate::limits::MAX_FILES;
 use crate::release::MAX_AHEAD;
 use crate::{CaptureResult, CheckRun, Reading, Source, Summary, read_start};
-
-/// The maximum number of files of a bag that are read to find its release.
-const MAX_FILES: usize = 16;
 
 /// Reads the declarations in the files of a bag's folder.
 pub(crate) fn clues(folder: &Path) -> Clues {

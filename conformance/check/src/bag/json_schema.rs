@@ -10,11 +10,7 @@ use uavspec_px4::json::{SharedFields, is_byte};
 use uavspec_runtime::Scalar;
 use uavspec_schema::{Element, Field, MessageId, Schema, Shape};
 
-/// The maximum depth of compared objects. Definitions don't nest more deeply than this.
-const MAX_DEPTH: usize = 32;
-
-/// The maximum number of consecutive references to follow.
-const MAX_REFERENCES: usize = 8;
+use crate::limits::{MAX_REFERENCES, MAX_SCHEMA_DEPTH};
 
 /// Compares the text of a schema with a definition. Returns the differences, and the fields without differences. `None`
 /// if the schema has no properties. The error is a one-line message.
@@ -61,7 +57,7 @@ impl<'s> Comparing<'s> {
             if let Some((stated, defined)) = self.contradiction(property, field, &types) {
                 differences.retyped.push(format!("{} ({stated}, defined as {defined})", field.name));
             } else if let Element::Message(nested) = field.ty.element
-                && depth < MAX_DEPTH
+                && depth < MAX_SCHEMA_DEPTH
                 && self
                     .element(property, field)
                     .and_then(|element| self.message(element, nested, depth + 1))

@@ -8,11 +8,12 @@ use uavspec_capture::input::UpToError;
 use uavspec_capture::mcap::{
     APPLICATION, CUT_SHORT, ENDPOINT, Event, Item, LOST, NOTE, Packing, Reader, UNREADABLE, metadata,
 };
+use uavspec_model::limits::MAX_NAME;
 use uavspec_model::text::shown;
 use uavspec_model::{ApplicationType, Endpoint, Extent, Findings, Location};
 use uavspec_rules::definitions::Definitions;
 
-use super::{BagContent, Channels, Declared, MAX_NAME, McapSummary, digest};
+use super::{BagContent, Channels, Declared, McapSummary, digest};
 use crate::{CaptureResult, CheckRun, Kind, Logged, Observer, Summary, has_magic};
 
 pub(crate) const KIND: Kind = Kind {

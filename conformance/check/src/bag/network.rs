@@ -8,12 +8,7 @@ use uavspec_model::{Endpoint, EndpointKind};
 
 use super::open::BagChannel;
 use crate::Line;
-
-/// The maximum number of topics.
-const MAX_TOPICS: usize = 10_000;
-
-/// The maximum number of publishers, and of subscribers, that are listed for a topic.
-const MAX_ENDPOINTS: usize = 100;
+use crate::limits::{MAX_ENDPOINTS, MAX_TOPICS};
 
 /// The publishers and subscribers of a topic on a bus.
 #[derive(Clone, Debug, Default, Serialize, schemars::JsonSchema)]

@@ -5,20 +5,15 @@ use std::collections::{BTreeMap, HashMap};
 use std::rc::Rc;
 use std::sync::Arc;
 
+use uavspec_model::limits::MAX_NAME;
 use uavspec_px4::comparison::{Comparison, Differences, compare_declared};
 use uavspec_px4::json::SharedFields;
 use uavspec_rules::definitions::Definitions;
 use uavspec_schema::MessageId;
 
-use super::{Basis, MAX_CHANNELS, MAX_NAME, Stated, digest, json_schema};
+use super::{Basis, Stated, digest, json_schema};
+use crate::limits::{MAX_BAG_CHANNELS, MAX_SCHEMA, MAX_SCHEMAS};
 use crate::topic::full_name;
-
-/// The maximum total size of stored schemas, in bytes. Five hundred ROS 2 types with their nested types take up half of
-/// this space.
-pub(super) const MAX_SCHEMAS: usize = 8 << 20;
-
-/// The maximum size of a stored schema, in bytes.
-pub(super) const MAX_SCHEMA: usize = 1 << 20;
 
 /// The result of comparing a schema with a definition.
 #[derive(Clone)]
@@ -72,8 +67,8 @@ impl Schemas {
         if name.len() > MAX_NAME || encoding.len() > MAX_NAME {
             return Err(format!("the name or the encoding is longer than {MAX_NAME} bytes"));
         }
-        if self.all.len() >= MAX_CHANNELS {
-            return Err(format!("the bag has more than {MAX_CHANNELS} schemas"));
+        if self.all.len() >= MAX_BAG_CHANNELS {
+            return Err(format!("the bag has more than {MAX_BAG_CHANNELS} schemas"));
         }
         let fits = text.len() <= MAX_SCHEMA && self.num_bytes + text.len() <= MAX_SCHEMAS;
         let text = if fits { Ok(text.to_vec()) } else { Err(text.len()) };

@@ -13,10 +13,8 @@ use uavspec_rules::definitions::Clues;
 use uavspec_schema::stage::Stage;
 
 use super::{BagContent, BagFile, BagSummary, Channels};
+use crate::limits::MAX_UNPACKED;
 use crate::{CaptureResult, CheckRun, Kind, Source, Summary, has_magic};
-
-/// The maximum size of a decompressed file, in bytes.
-const MAX_UNPACKED: u64 = 16 << 30;
 
 pub(crate) const SQLITE: Kind = Kind {
     name: "rosbag2",

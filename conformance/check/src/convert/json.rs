@@ -9,6 +9,7 @@ use uavspec_capture::input::UpToError;
 use uavspec_capture::json::{Event, Item, Reader};
 use uavspec_model::Extent;
 use uavspec_model::json::Tree;
+use uavspec_model::limits::MAX_NAME;
 use uavspec_model::text::{plural, utf8};
 use uavspec_px4::json::{Dialect, decode};
 use uavspec_rules::definitions::Definitions;
@@ -19,7 +20,8 @@ use super::plan::{Converted, Converters, Plan};
 use super::report::{Action, Problems, TopicReport};
 use super::topic::Topic;
 use super::{Error, Settings};
-use crate::json::{Form, MAX_CHANNELS, MAX_NAME, NameKind, Names, ROS, form, starts_like_object};
+use crate::json::{Form, NameKind, Names, ROS, form, starts_like_object};
+use crate::limits::MAX_CHANNELS;
 use crate::{definition_of, definition_of_json, is_flockwave, is_guess, shows_type};
 
 /// A topic or a type of the capture.

@@ -11,6 +11,7 @@ use tempfile::SpooledTempFile;
 use uavspec_capture::input::UpToError;
 use uavspec_capture::mcap::{AttachmentHead, Event, Item, Packing, Reader, Writer, compressed};
 use uavspec_model::json::Tree;
+use uavspec_model::limits::MAX_NAME;
 use uavspec_model::text::{start_of, utf8};
 use uavspec_rules::definitions::Definitions;
 use uavspec_runtime::cdr::ByteOrder;
@@ -20,20 +21,8 @@ use super::plan::{Converted, Converters, Plan, Treatment};
 use super::report::{Action, Problems, TopicReport};
 use super::topic::Topic;
 use super::{Error, Settings};
-use crate::json::MAX_NAME;
+use crate::limits::{MAX_ATTACHMENT, MAX_CONVERTED_SCHEMAS, MAX_WAITING};
 use crate::{HASH, StatedType, confirms, decompressed, definition_of, digest, is_guess, stated_type};
-
-/// The maximum total size of the schemas and channels in a file, in bytes. It includes the names of attachments and
-/// metadata records, which the index of the output contains. The limit also applies to the schemas in the output.
-const MAX_SIZE: usize = 64 << 20;
-
-/// The size of the attachments that are kept in memory, in bytes. A larger one is stored in a temporary file, until it
-/// is complete.
-const MAX_ATTACHMENT: usize = 16 << 20;
-
-/// The maximum total size of the JSON messages that wait for a decision about their type, in bytes. The channel that
-/// exceeds it is copied.
-const MAX_WAITING: usize = 16 << 20;
 
 /// A schema: its name, encoding and text.
 type Schema = (String, String, Vec<u8>);
@@ -467,13 +456,13 @@ fn declared_again(kind: &str, id: u16) -> String {
 
 /// The problem of declarations that take too much space.
 fn too_large() -> String {
-    format!("the schemas, channels and names take more than {} MiB", MAX_SIZE >> 20)
+    format!("the schemas, channels and names take more than {} MiB", MAX_CONVERTED_SCHEMAS >> 20)
 }
 
 /// Adds a size to a total, unless this would exceed the limit. Returns true if it was added.
 fn fits(total: &mut usize, size: usize) -> bool {
     let sum = total.saturating_add(size);
-    if sum > MAX_SIZE {
+    if sum > MAX_CONVERTED_SCHEMAS {
         return false;
     }
     *total = sum;

@@ -17,9 +17,7 @@ use super::plan::{Converted, Converters, Plan, Treatment};
 use super::report::{Action, Problems, TopicReport};
 use super::topic::Topic;
 use super::{Error, Settings};
-
-/// The maximum number of topics. A log has at most 8,192 formats, but hostile logs may subscribe to more topics.
-const MAX_TOPICS: usize = 10_000;
+use crate::limits::MAX_LOG_TOPICS;
 
 /// The maximum size of a message in a log, in bytes. Two bytes contain the id.
 const MAX_MESSAGE: usize = u16::MAX as usize - 2;
@@ -248,9 +246,9 @@ impl<'p, 'o> Stream<'p, 'o> {
         if let Some(at) = self.by_name.get(name) {
             return Some(*at);
         }
-        if self.topics.len() >= MAX_TOPICS {
+        if self.topics.len() >= MAX_LOG_TOPICS {
             self.problems
-                .add(format!("more than {MAX_TOPICS} topics: `{}` is left out", name.escape_debug()));
+                .add(format!("more than {MAX_LOG_TOPICS} topics: `{}` is left out", name.escape_debug()));
             return None;
         }
         let mut topic = Topic::new(name, (None, Treatment::Copy), self.plan, self.settings);

@@ -7,18 +7,9 @@
 use std::collections::BTreeMap;
 
 use uavspec_model::json::{SyntaxError, TRUNCATED, Tree};
+use uavspec_rules::limits::{MAX_CONNECTIONS, MAX_INCOMPLETE};
 
-/// The maximum length of an incomplete text, in bytes. A longer text is not treated as a message.
-const MAX_TEXT: usize = 1 << 20;
-
-/// The maximum number of connections with an incomplete text.
-const MAX_CONNECTIONS: usize = 16;
-
-/// The maximum number of pieces of a text. Each piece causes the whole text to be parsed again.
-const MAX_PIECES: usize = 1_000;
-
-/// The maximum number of messages that are read from one line.
-const MAX_MESSAGES: usize = 10_000;
+use crate::limits::{MAX_MESSAGES, MAX_PIECES};
 
 /// The incomplete texts and their numbers of pieces, by connection index.
 #[derive(Debug, Default)]
@@ -40,7 +31,7 @@ impl Pieces {
         if incomplete.is_empty() {
             return done;
         }
-        let is_too_long = incomplete.len() > MAX_TEXT || pieces >= MAX_PIECES;
+        let is_too_long = incomplete.len() > MAX_INCOMPLETE || pieces >= MAX_PIECES;
         if is_too_long || self.0.len() >= MAX_CONNECTIONS {
             done.push(incomplete.to_owned());
         } else {
@@ -167,7 +158,7 @@ mod tests {
     #[test]
     fn stores_a_bounded_text() {
         let mut pieces = Pieces::default();
-        let long = format!("{{\"id\":\"{}", "x".repeat(MAX_TEXT));
+        let long = format!("{{\"id\":\"{}", "x".repeat(MAX_INCOMPLETE));
         assert_eq!(pieces.add(0, &long), [long]);
         for connection in 0..2 * MAX_CONNECTIONS {
             pieces.add(connection, "{");

@@ -7,12 +7,7 @@ use uavspec_schema::json_type::Direction;
 
 use super::TypeCount;
 use crate::coverage::Tally;
-
-/// The maximum number of unknown types that are counted by name. Hostile input may contain any number of types.
-const MAX_UNKNOWN: usize = 1_000;
-
-/// The maximum length of an unknown type's name, in bytes.
-const MAX_NAME: usize = 128;
+use crate::limits::{MAX_TYPE_NAME, MAX_UNKNOWN_TYPES};
 
 /// The counts of all types.
 #[derive(Default)]
@@ -69,7 +64,7 @@ impl Types {
         if !self.by_name.contains_key(name) {
             let counts = TypeCounts::new(name, definitions);
             let is_known = counts.is_known;
-            if !is_known && (self.num_unknown == MAX_UNKNOWN || name.len() > MAX_NAME) {
+            if !is_known && (self.num_unknown == MAX_UNKNOWN_TYPES || name.len() > MAX_TYPE_NAME) {
                 return None;
             }
             self.num_unknown += usize::from(!is_known);

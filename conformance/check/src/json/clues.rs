@@ -14,20 +14,15 @@ use uavspec_rules::definitions::{
 use super::envelope::{Form, NameKind, form};
 use super::{MAX_CHANNELS, is_flockwave};
 use crate::Source;
+use crate::limits::{MAX_CLUE_BYTES, MAX_CLUE_TEXT};
 use crate::topic::{full_name, shows_type, topic_of};
-
-/// The maximum number of bytes that are read.
-const MAX_BYTES: u64 = 1 << 20;
 
 /// The maximum number of values in a row that show nothing new.
 const MAX_KNOWN: u32 = 200;
 
-/// The maximum total length of the stored messages, in bytes.
-const MAX_TEXT: usize = 4 << 20;
-
 /// Reads the first message with keys of each topic and type.
 pub(super) fn clues(source: &mut Source<'_>) -> Clues {
-    let mut reader = Reader::new(source.bytes.take(MAX_BYTES));
+    let mut reader = Reader::new(source.bytes.take(MAX_CLUE_BYTES));
     let (mut found, mut is_first, mut known_in_a_row) = (Found::default(), true, 0);
     while known_in_a_row < MAX_KNOWN
         && found.len() < MAX_CHANNELS
@@ -107,7 +102,7 @@ impl Found {
             return;
         }
         let mut json = || {
-            let is_stored = text.len() <= MAX_TEXT - *num_bytes;
+            let is_stored = text.len() <= MAX_CLUE_TEXT - *num_bytes;
             let text = if is_stored { text } else { "" };
             *num_bytes += text.len();
             let keys = keys_hash(members.iter().map(|(key, _)| &**key));

@@ -6,21 +6,7 @@ use serde::Serialize;
 use uavspec_model::text::start_of;
 
 use super::label::Label;
-
-/// The maximum number of lanes.
-const MAX_LANES: usize = 2_000;
-
-/// The maximum number of changes that a lane contains. Further changes are only counted.
-pub const MAX_CHANGES: usize = 500;
-
-/// The maximum number of changes that all lanes contain. Further changes are only counted.
-pub const MAX_ALL_CHANGES: usize = 10_000;
-
-/// The maximum number of distinct values in a lane, without the value that represents all others.
-const MAX_VALUES: usize = 500;
-
-/// The maximum length of a name, in characters.
-const MAX_NAME: usize = 160;
+use crate::limits::{MAX_ALL_CHANGES, MAX_CHANGES, MAX_LANE_NAME, MAX_LANES, MAX_VALUES};
 
 /// A lane of the timeline.
 #[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
@@ -315,5 +301,5 @@ impl Lanes {
 
 /// A name, shortened if it is too long.
 fn shortened(name: &str) -> String {
-    start_of(name, MAX_NAME).into_owned()
+    start_of(name, MAX_LANE_NAME).into_owned()
 }

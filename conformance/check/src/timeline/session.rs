@@ -11,6 +11,7 @@ use uavspec_schema::json_type::{Definition, SetValues};
 use super::context::Context;
 use super::label::Label;
 use super::lane::{Lane, LaneKind, Part, Severity, Value};
+use crate::limits::{MAX_CODES, MAX_ID, MAX_UAVS};
 
 /// The message types of the timeline, in the order of their lanes.
 pub(super) const TYPES: [&str; 2] = [UAV, "CONN-INF"];
@@ -20,15 +21,6 @@ const UAV: &str = "UAV-INF";
 
 /// The name of the lanes of recorded connections.
 const CONNECTION: &str = "connection";
-
-/// The maximum number of UAVs. Further UAVs are ignored.
-const MAX_UAVS: usize = 1_000;
-
-/// The maximum length of an id of a UAV or a connection, in bytes.
-const MAX_ID: usize = 128;
-
-/// The maximum number of error codes in one status.
-const MAX_CODES: usize = 256;
 
 /// Follows a session.
 #[derive(Default)]

@@ -8,6 +8,7 @@ use uavspec_schema::translation::Translations;
 use uavspec_test_support::extent;
 
 use super::*;
+use crate::limits::MAX_CHANGES;
 
 const REQUIRED: &str = "mode_req_attitude";
 const FLAG: &str = "attitude_invalid";

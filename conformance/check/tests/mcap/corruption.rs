@@ -447,7 +447,7 @@ fn skips_records_in_constant_memory() {
         (plain, messages.clone(), 1 << 17),
         (vec![], messages, 1 << 17),
         // A message of the maximum length is stored.
-        (length(5, Reader::<&[u8]>::MAX_RECORD), zeros, 3 * (64 << 20)),
+        (length(5, uavspec_capture::limits::MAX_RECORD), zeros, 3 * (64 << 20)),
     ] {
         // More than the maximum stored size, or enough to fill the buffer many times.
         let size = if largest > 1 << 20 { extent(80 << 20, 66 << 20) } else { extent(8 << 20, 1 << 20) };

@@ -9,13 +9,7 @@ use uavspec_schema::json_type::Direction;
 use super::bodies::{Body, DefinedSchemas};
 use super::defined::{Field, List, Object, Text, Tuple, ValueSchema};
 use super::{Deviation, Fault, Mismatch, Step};
-
-/// The maximum number of deviations in a body. Hostile input may contain any number.
-const MAX_DEVIATIONS: usize = 10_000;
-
-/// The maximum number of values to visit in a body. A body has at most a million values, but nested alternatives can
-/// cause each value to be visited many times.
-const MAX_VISITS: usize = 1 << 21;
+use crate::limits::{MAX_COMPARED, MAX_DEVIATIONS, MAX_VISITS};
 
 /// The cost of reporting a deviation, in visits per path step.
 const VISITS_PER_DEVIATION: usize = 8;
@@ -29,9 +23,6 @@ const MAX_INSTEAD: (usize, usize) = (3, 32);
 
 /// The maximum number of allowed values that a message lists.
 const MAX_VALUES: usize = 16;
-
-/// The maximum number of elements that are compared by their text in a list of unique elements.
-const MAX_COMPARED: usize = 10_000;
 
 /// A step of the path to a value.
 #[derive(Clone, Copy, Debug)]

@@ -7,9 +7,7 @@ use uavspec_model::json::Tree;
 use super::remembered::ById;
 use super::request::strings;
 use super::{Exchange, MAX_ID, SentRequest};
-
-/// The maximum number of receipts in a message.
-const MAX_RECEIPTS: usize = 10_000;
+use crate::limits::MAX_RECEIPTS;
 
 /// The stage of an operation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -7,9 +7,7 @@ use uavspec_model::{Location, Rule};
 
 use super::exchange::message_excerpt;
 use super::{Exchange, MAX_ID, parts};
-
-/// The maximum number of ids in a request. Longer lists are ignored.
-const MAX_REQUEST_IDS: usize = 10_000;
+use crate::limits::MAX_REQUEST_IDS;
 
 /// A request.
 #[derive(Clone, Debug)]

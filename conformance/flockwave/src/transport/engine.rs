@@ -3,12 +3,10 @@
 
 use std::fmt::Write as _;
 
+use crate::limits::PACKET_LIMIT;
+
 /// The packet separator in revision 4 payloads.
 const SEPARATOR: char = '\u{1e}';
-
-/// The maximum number of packets in a payload. Servers and clients send far fewer. Without a limit, a payload of empty
-/// packets would use much more memory than its length.
-const PACKET_LIMIT: usize = 1000;
 
 /// The error for a payload with too many packets.
 const TOO_MANY: &str = "a payload has too many packets";

@@ -1,10 +1,6 @@
 //! The server side of HTTP/1.1.
 
-/// The maximum size of a request head, in bytes. Browsers send one or two kilobytes.
-const HEAD_LIMIT: usize = 32 << 10;
-
-/// The maximum number of header lines.
-const HEADER_LIMIT: usize = 100;
+use crate::limits::{HEAD_LIMIT, HEADER_LIMIT};
 
 /// A request.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

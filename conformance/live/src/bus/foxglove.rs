@@ -17,12 +17,10 @@ use uavspec_model::net::Address;
 
 use self::channel::Channel;
 use super::websocket::{
-    CONNECT_LIMIT, Link, MAX_MESSAGE, Protocol, Service, check_name, excerpt, list, receive, step, string,
+    CONNECT_LIMIT, Link, Protocol, Service, check_name, excerpt, list, receive, step, string,
 };
 use super::{Bus, Event, MAX_ENDPOINTS, Publisher, Received, Topic, nanoseconds};
-
-/// The maximum size of all schemas, in bytes.
-const MAX_SCHEMAS: usize = 64 << 20;
+use crate::limits::{MAX_MESSAGE, MAX_SCHEMAS};
 
 /// The kind of binary messages that contain a message of a topic, in both directions.
 const MESSAGE_DATA: u8 = 1;

@@ -3,9 +3,7 @@
 use std::collections::HashSet;
 
 use super::Event;
-
-/// The maximum number of different problems of each kind.
-const MAX_PROBLEMS: usize = 256;
+use crate::limits::MAX_PROBLEMS;
 
 /// The problems that were reported.
 #[derive(Debug, Default)]

@@ -17,15 +17,14 @@ use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Bytes, Error, HandshakeError, Message, WebSocket};
 use uavspec_model::clock::Clock;
 use uavspec_model::json::Tree;
+use uavspec_model::limits::MAX_NAME;
 use uavspec_model::net::{Address, Stream, is_silence};
 use uavspec_model::text::start_of;
 use uavspec_model::{Endpoint, EndpointKind};
 
+use super::Event;
 use super::problems::Problems;
-use super::{Event, MAX_NAME};
-
-/// The maximum size of a message, in bytes. The records of a recording have at most 64 MiB.
-pub(super) const MAX_MESSAGE: usize = 60 << 20;
+use crate::limits::MAX_MESSAGE;
 
 /// The maximum time until the connection is open.
 pub(super) const CONNECT_LIMIT: Duration = Duration::from_secs(5);

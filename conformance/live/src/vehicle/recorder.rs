@@ -14,12 +14,7 @@ use uavspec_check::{CaptureResult, HASH, LiveBag};
 use uavspec_model::ApplicationType;
 
 use crate::bus::{Encoding, Event, Received, Schema, Topic};
-
-/// The maximum number of channels.
-const MAX_CHANNELS: usize = 10_000;
-
-/// The maximum size of a recording, in bytes.
-pub(super) const MAX_SIZE: u64 = 8 << 30;
+use crate::limits::MAX_CHANNELS;
 
 /// A channel: a topic with its schema and encoding, and whether this program sends its messages.
 type Key = (Topic, Option<Arc<Schema>>, Encoding, bool);

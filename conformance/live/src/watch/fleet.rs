@@ -204,8 +204,8 @@ mod tests {
     use uavspec_model::clock::Clock;
     use uavspec_test_support::extent;
 
-    use super::super::roster::UAV_LIMIT;
     use super::*;
+    use crate::limits::MAX_UAVS;
 
     fn received(text: &str) -> Event {
         Event::Received(Message::read(text.as_bytes()))
@@ -271,10 +271,10 @@ mod tests {
     fn the_number_of_uavs_is_limited() {
         let now = Clock::simulated().now();
         let mut fleet = Fleet::default();
-        for number in 0..UAV_LIMIT + 500 {
+        for number in 0..MAX_UAVS + 500 {
             receive(&mut fleet, &format!(r#"{{"type": "UAV-INF", "status": {{"{number}": {{}}}}}}"#), now);
         }
-        assert_eq!((fleet.len(), fleet.is_overfull), (UAV_LIMIT, true));
+        assert_eq!((fleet.len(), fleet.is_overfull), (MAX_UAVS, true));
         receive(&mut fleet, r#"{"type": "UAV-LIST", "ids": ["glider-1"]}"#, now + Duration::from_secs(20));
         assert_eq!((ids(&fleet), fleet.is_overfull), (vec!["glider-1"], false));
     }
@@ -330,7 +330,7 @@ mod tests {
                     let _ = fleet.age(uav, now);
                 }
             }
-            prop_assert!(fleet.len() <= UAV_LIMIT);
+            prop_assert!(fleet.len() <= MAX_UAVS);
         }
     }
 }

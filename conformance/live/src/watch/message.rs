@@ -1,10 +1,12 @@
 //! Messages from a server, reduced to data about the fleet. The size of this data is limited.
 
+use uavspec_flockwave::limits::MAX_ID;
 use uavspec_model::json::Tree;
 
-use super::roster::{ID_LIMIT, List, UAV_LIMIT};
+use super::roster::List;
 use super::state::State;
 use super::words::truncated;
+use crate::limits::MAX_UAVS;
 
 /// A message.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,7 +47,7 @@ impl Message {
         let Some(tree @ Tree::Object(_)) = tree else {
             return Self { refs: None, content: Content::Unreadable };
         };
-        let refs = tree.get("refs").and_then(Tree::as_str).filter(|refs| refs.len() <= ID_LIMIT);
+        let refs = tree.get("refs").and_then(Tree::as_str).filter(|refs| refs.len() <= MAX_ID);
         Self { refs: refs.map(str::to_owned), content: content(&tree) }
     }
 }
@@ -90,7 +92,7 @@ fn time(body: &Tree<'_>) -> Content {
 
 fn list(value: &Tree<'_>) -> Option<List> {
     let Tree::List(values) = value else { return None };
-    let ids = values.iter().filter_map(Tree::as_str).filter(|id| id.len() <= ID_LIMIT).take(UAV_LIMIT);
+    let ids = values.iter().filter_map(Tree::as_str).filter(|id| id.len() <= MAX_ID).take(MAX_UAVS);
     let ids: Vec<String> = ids.map(str::to_owned).collect();
     let is_whole = ids.len() == values.len();
     Some(List { ids, is_whole })
@@ -104,7 +106,7 @@ fn states(body: &Tree<'_>) -> Vec<(String, Result<State, String>)> {
     let reported = members("status").iter().map(|(id, state)| (id, State::read(state).unwrap_or_default()));
     let reported = reported.map(|(id, state)| (id, Ok(state)));
     let refused = members("error").iter().map(|(id, reason)| (id, Err(text(reason))));
-    let all = reported.chain(refused).filter(|(id, _)| id.len() <= ID_LIMIT).take(UAV_LIMIT);
+    let all = reported.chain(refused).filter(|(id, _)| id.len() <= MAX_ID).take(MAX_UAVS);
     all.map(|(id, state)| (id.clone().into_owned(), state)).collect()
 }
 
@@ -142,15 +144,15 @@ mod tests {
 
     #[test]
     fn limits_the_length_of_lists() {
-        let ids: Vec<String> = (0..=UAV_LIMIT).map(|number| format!("\"{number}\"")).collect();
+        let ids: Vec<String> = (0..=MAX_UAVS).map(|number| format!("\"{number}\"")).collect();
         let Content::List(list) = read(&format!(r#"{{"type": "UAV-LIST", "ids": [{}]}}"#, ids.join(",")))
         else {
             panic!("a list");
         };
-        assert_eq!((list.ids.len(), list.is_whole), (UAV_LIMIT, false));
+        assert_eq!((list.ids.len(), list.is_whole), (MAX_UAVS, false));
         let states: Vec<String> = ids.iter().map(|id| format!("{id}: {{}}")).collect();
         let states = read(&format!(r#"{{"type": "UAV-INF", "status": {{{}}}}}"#, states.join(",")));
-        assert!(matches!(states, Content::States(states) if states.len() == UAV_LIMIT));
+        assert!(matches!(states, Content::States(states) if states.len() == MAX_UAVS));
     }
 
     proptest! {

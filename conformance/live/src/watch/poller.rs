@@ -114,7 +114,11 @@ impl Poller {
                     }
                 }
             }
-            Content::Gone(ids) => ids.iter().for_each(|id| drop(self.roster.members.remove(id))),
+            Content::Gone(ids) => {
+                for id in ids {
+                    self.roster.members.remove(id);
+                }
+            }
             _ => {}
         }
     }

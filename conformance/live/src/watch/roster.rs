@@ -1,13 +1,11 @@
 //! A limited map from the ids of UAVs to their data.
 
+use uavspec_flockwave::limits::MAX_ID;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::{Duration, Instant};
 
-/// The maximum number of UAVs. The largest fleets flown so far are about half as large.
-pub(crate) const UAV_LIMIT: usize = 10_000;
-
-/// The maximum length of an id, in bytes. The schema of the protocol allows 64 characters.
-pub(crate) const ID_LIMIT: usize = 256;
+use crate::limits::MAX_UAVS;
 
 /// The time for which a reported UAV is kept even if a list doesn't contain it. The list may be older than the report,
 /// and some servers report UAVs that they don't list.
@@ -42,7 +40,7 @@ impl<T: Default> Roster<T> {
     /// Returns the UAV with this id, which is added if necessary. `None` if a limit is exceeded.
     pub(super) fn admit(&mut self, id: &str) -> Option<&mut Member<T>> {
         if !self.members.contains_key(id) {
-            if id.len() > ID_LIMIT || self.members.len() >= UAV_LIMIT {
+            if id.len() > MAX_ID || self.members.len() >= MAX_UAVS {
                 return None;
             }
             self.members.insert(id.to_owned(), Member { last_reported: None, value: T::default() });
@@ -98,13 +96,13 @@ mod tests {
     #[test]
     fn limits_the_number_and_length_of_ids() {
         let mut roster = Roster::<u8>::default();
-        assert!(roster.admit(&"g".repeat(ID_LIMIT + 1)).is_none());
-        for number in 0..UAV_LIMIT {
+        assert!(roster.admit(&"g".repeat(MAX_ID + 1)).is_none());
+        for number in 0..MAX_UAVS {
             assert!(roster.admit(&format!("glider-{number}")).is_some());
         }
         assert!(roster.admit("one too many").is_none());
         assert!(roster.admit("glider-0").is_some());
-        assert_eq!(roster.members.len(), UAV_LIMIT);
+        assert_eq!(roster.members.len(), MAX_UAVS);
         assert!(
             !roster.update(&List { is_whole: false, ..list(&["one too many"]) }, Clock::simulated().now())
         );

@@ -4,15 +4,7 @@
 use uavspec_model::json::Tree;
 
 use super::words::truncated;
-
-/// The maximum number of error codes.
-const CODE_LIMIT: usize = 64;
-
-/// The maximum number of values in other lists.
-const VALUE_LIMIT: usize = 16;
-
-/// The maximum number of unknown fields.
-const OTHER_LIMIT: usize = 8;
+use crate::limits::{MAX_CODES, MAX_OTHERS, MAX_VALUES};
 
 /// A value that may be missing or have the wrong type.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -133,13 +125,12 @@ impl State {
             "battery" => self.battery = battery(value),
             "light" => self.light = integer(value),
             "rssi" => {
-                self.rssi = Field::new(
-                    list(value).map(|values| values.iter().take(VALUE_LIMIT).map(integer).collect()),
-                )
+                let integers = |values: &[Tree<'_>]| values.iter().take(MAX_VALUES).map(integer).collect();
+                self.rssi = Field::new(list(value).map(integers));
             }
             "errors" => self.errors = Field::new(list(value).map(errors)),
             "debug" => self.debug = text(value),
-            other if self.others.len() < OTHER_LIMIT => {
+            other if self.others.len() < MAX_OTHERS => {
                 self.others.push((truncated(other), truncated(&value.to_string())));
             }
             _ => {}
@@ -183,7 +174,7 @@ fn battery(value: &Tree<'_>) -> Field<Battery> {
 
 fn errors(values: &[Tree<'_>]) -> Errors {
     let code = |value: &Tree<'_>| integer(value).known().and_then(|code| u32::try_from(*code).ok());
-    let truncated = &values[..values.len().min(CODE_LIMIT)];
+    let truncated = &values[..values.len().min(MAX_CODES)];
     let mut codes: Vec<u32> = truncated.iter().filter_map(code).collect();
     let invalid = truncated.len() - codes.len();
     codes.sort_by_key(|code| (std::cmp::Reverse(uavspec_runtime::Severity::of(*code)), *code));
@@ -229,6 +220,6 @@ mod tests {
         assert_eq!((errors.invalid, errors.more), (3, 0));
         let many: Vec<String> = (0..100).map(|code| code.to_string()).collect();
         let state = read(&format!(r#"{{"errors": [{}]}}"#, many.join(",")));
-        assert_eq!(state.errors.known().map(|errors| errors.more), Some(100 - CODE_LIMIT));
+        assert_eq!(state.errors.known().map(|errors| errors.more), Some(100 - MAX_CODES));
     }
 }

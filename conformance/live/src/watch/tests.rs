@@ -15,7 +15,7 @@ use uavspec_test_server::proxy::Proxy;
 use uavspec_test_server::server::{answer_requests, custom_server, location, serve};
 use uavspec_test_support::{deadline, extent, wait_for};
 
-use super::roster::UAV_LIMIT;
+use crate::limits::MAX_UAVS;
 use crate::watch::fleet::{Fleet, Link};
 use crate::watch::message::Content;
 use crate::watch::session::{self, Event};
@@ -189,5 +189,5 @@ fn survives_a_flood_of_messages() {
     });
     let mut watched = Watched::new(&format!("tcp://{address}"));
     watched.until("all messages are read", |watched| watched.fleet.unreadable == FLOOD / 2);
-    assert_eq!((watched.fleet.len(), watched.fleet.is_overfull), (UAV_LIMIT, true));
+    assert_eq!((watched.fleet.len(), watched.fleet.is_overfull), (MAX_UAVS, true));
 }

@@ -12,6 +12,7 @@
 mod battery;
 mod components;
 mod flags;
+
 pub mod playback;
 pub mod source;
 #[cfg(test)]
@@ -32,6 +33,7 @@ pub(crate) use self::battery::Battery;
 pub(crate) use self::components::{Component, Components, Readiness};
 pub(crate) use self::flags::{Flag, Flags, Groups, Known, filtered};
 use super::rate::Rate;
+use crate::limits::MAX_CHANNELS;
 
 /// The topics that the display needs.
 pub(crate) const TOPICS: [&str; 7] = [
@@ -43,9 +45,6 @@ pub(crate) const TOPICS: [&str; 7] = [
     "register_ext_component_reply",
     "unregister_ext_component",
 ];
-
-/// The maximum number of channels that are followed.
-const MAX_CHANNELS: usize = 10_000;
 
 /// The definitions of a message, with their texts.
 #[derive(Clone, Copy)]

@@ -7,9 +7,7 @@
 use std::borrow::Cow;
 
 use super::error::SyntaxError;
-
-/// The maximum nesting depth, equal to that of `serde_json`.
-const MAX_DEPTH: usize = 127;
+use crate::limits::MAX_DEPTH;
 
 /// The largest number of digits for which every integer fits into 64 bits.
 const MAX_DIGITS: usize = 18;

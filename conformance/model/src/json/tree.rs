@@ -9,10 +9,8 @@ use uavspec_dynamic::whole;
 
 use super::error::SyntaxError;
 use super::tokens::{Token, Tokens};
+use crate::limits::MAX_VALUES;
 use crate::text::start_of;
-
-/// The maximum number of values in a tree. Each value takes dozens of times as much memory as its text.
-const MAX_VALUES: usize = 1 << 20;
 
 /// The maximum length of a displayed value, in characters.
 const MAX_SHOWN: usize = 40;

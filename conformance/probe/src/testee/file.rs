@@ -6,11 +6,12 @@ use serde_json::{Value, json};
 use uavspec_dynamic::Types;
 
 use super::case::{Case, ExpectedResponse};
-use super::options::{LINE_LIMIT, excerpt};
+use super::options::excerpt;
 use super::outcome::{Outcome, ProtocolRemarks, Verdict};
 use super::protocol::{Hello, Response};
 use super::run::check_answer;
 use super::wire::{to_base64, to_wire};
+use crate::limits::LINE_LIMIT;
 
 /// Writes the selected cases, one per line: the request with its name, description and expected responses.
 pub fn dump(cases: &[Case], selected: &[usize], types: &Types, output: &mut dyn Write) -> io::Result<()> {

@@ -5,9 +5,7 @@ use std::time::Duration;
 use uavspec_model::clock::Clock;
 
 use super::target::Target;
-
-/// The default maximum length of a line, in bytes.
-pub const LINE_LIMIT: usize = 16 << 20;
+use crate::limits::LINE_LIMIT;
 
 /// Options of a run.
 #[derive(Clone, Debug)]

@@ -15,8 +15,7 @@ use std::time::{Duration, Instant};
 
 use uavspec_model::clock::Clock;
 
-/// The maximum number of bytes that are kept from the end of standard error.
-const MAX_STDERR: usize = 8 << 10;
+use crate::limits::MAX_STDERR;
 
 /// The time limit for standard error to close after the process has ended.
 const STDERR_TIMEOUT: Duration = Duration::from_millis(500);

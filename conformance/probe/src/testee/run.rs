@@ -28,9 +28,7 @@ use super::options::{Options, excerpt};
 use super::outcome::{Outcome, ProtocolRemarks, Verdict};
 use super::protocol::{Hello, Response};
 use super::timeouts::Timeouts;
-
-/// The maximum number of consecutive crashes that cases cause. A slow testee takes half a second to restart.
-const MAX_CRASHES: u32 = 100;
+use crate::limits::MAX_CRASHES;
 
 /// Runs the selected cases, given as indices. On the wire, the index of a case is its id. Returns an error if the
 /// testee can't be started or sends no valid hello. `progress` receives the number of finished cases and the total

@@ -12,9 +12,7 @@ use uavspec_schema::{Failure, Form, PackageInput, SourceMap, read, read_formats}
 use super::choice::{Choice, Clues};
 use super::index::{Family, Index, ReleaseId};
 use super::{Definitions, LoadedRelease, SchemaError, Schemas};
-
-/// The maximum number of releases, with different messages of other releases, that stay in memory.
-const MAX_STORED: usize = 8;
+use crate::limits::MAX_STORED;
 
 /// The ROS package of PX4's messages.
 const PX4_ROS_PACKAGE: &str = "px4_msgs";

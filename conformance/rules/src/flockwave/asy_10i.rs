@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 
 use super::prelude::*;
 use super::{asy_10, asy_17};
+use crate::limits::MAX_OPEN;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     id: "FW-ASY-10I",
@@ -46,9 +47,6 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
 
 /// The maximum allowed gap between messages about a short operation, in seconds, if the server sends other messages.
 const MAX_SECONDS: f64 = 18.0;
-
-/// The maximum number of tracked operations per connection.
-const MAX_OPEN: usize = 1_000;
 
 /// The operations that test the rule. Maps each receipt to the location of the response and the time of the operation's
 /// latest message.

@@ -8,6 +8,7 @@
 use std::collections::{BTreeMap, VecDeque};
 
 use super::prelude::*;
+use crate::limits::MAX_CANCELLED;
 
 /// The rule.
 pub static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
@@ -51,9 +52,6 @@ pub static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
 
 /// The maximum allowed time, in seconds, from the ASYNC-CANCEL response to the end of the operation.
 const MAX_SECONDS: f64 = 10.0;
-
-/// The maximum number of tracked operations per connection.
-const MAX_CANCELLED: usize = 1_000;
 
 /// Adds an operation that the client cancels.
 fn cancel(session: &mut Session, receipt: &str) {

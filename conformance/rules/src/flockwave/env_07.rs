@@ -15,6 +15,7 @@ use uavspec_flockwave::session::SentRequest;
 
 use super::prelude::*;
 use super::{env_24, env_25};
+use crate::limits::MAX_ANSWERED;
 
 /// The rule.
 pub static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
@@ -61,9 +62,6 @@ fn may_be_slow(type_name: &str) -> bool {
     SLOW.iter().any(|family| type_name.starts_with(family))
         && !["-INF", "-LIST"].iter().any(|end| type_name.ends_with(end))
 }
-
-/// The maximum number of remembered requests.
-const MAX_ANSWERED: usize = 1_000;
 
 /// The type, the objects and the filter of a request.
 type Key = (Option<String>, Option<BTreeSet<String>>, Option<BTreeSet<String>>);

@@ -7,14 +7,7 @@ use uavspec_flockwave::session::{Exchange, Role};
 use uavspec_model::Location;
 use uavspec_model::json::{Frame, Tree};
 
-/// The maximum size, in bytes, of a message that spans several lines. A longer text is not treated as a message.
-const MAX_TEXT: usize = 1 << 20;
-
-/// The maximum number of lines in a message.
-const MAX_LINES: usize = 10_000;
-
-/// The maximum number of connections for which undecided lines are stored.
-const MAX_CONNECTIONS: usize = 16;
+use crate::limits::{MAX_CONNECTIONS, MAX_INCOMPLETE, MAX_LINES};
 
 /// A line that is not a message.
 #[derive(Debug)]
@@ -98,7 +91,7 @@ impl Lines {
         open.text.push_str(text);
         open.text.push('\n');
         let depth = open.frame.follow(text);
-        if open.text.len() > MAX_TEXT || open.lines.len() > MAX_LINES {
+        if open.text.len() > MAX_INCOMPLETE || open.lines.len() > MAX_LINES {
             return self.end_of(index);
         }
         if depth > 0 {

@@ -1,5 +1,6 @@
 //! `FW-OBJ-DEL-02`.
 
+use uavspec_flockwave::limits::MAX_ID;
 use uavspec_flockwave::session::remembered::ById;
 
 use super::prelude::*;
@@ -30,9 +31,6 @@ pub static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
 
 /// The memory limit, in bytes.
 const MEMORY_LIMIT: usize = 1 << 20;
-
-/// The maximum length of a stored id, in bytes: 64 characters of up to four bytes each.
-const MAX_ID: usize = 256;
 
 /// The deleted objects, by connection and id.
 struct Gone(ById<()>);

@@ -9,6 +9,7 @@ use std::collections::BTreeSet;
 
 use super::prelude::*;
 use super::reply::TimedList;
+use crate::limits::MAX_OBJECTS;
 
 /// The rule.
 pub static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
@@ -38,9 +39,6 @@ pub static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     session.exchange(masts, json!({ "ids": ["mast"] }));
     session.exchange(json!({ "type": "OBJ-LIST" }), all());
 })]);
-
-/// The maximum number of stored objects from filtered lists.
-const MAX_OBJECTS: usize = 10_000;
 
 /// The listed objects, by connection.
 #[derive(Default)]

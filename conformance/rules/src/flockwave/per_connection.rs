@@ -2,9 +2,7 @@
 
 use uavspec_flockwave::session::{ConnectionId, Exchange, Role};
 
-/// The maximum number of connections whose state is stored. If there are more connections, the state of the connection
-/// with the lowest index is dropped.
-const MAX_CONNECTIONS: usize = 16;
+use crate::limits::MAX_CONNECTIONS;
 
 /// A state for each connection. The state is reset when the connection is reopened, or when some of the connection's
 /// records may be missing.

@@ -3,18 +3,14 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use uavspec_flockwave::body_schema::Deviation;
+use uavspec_flockwave::limits::MAX_ID;
 use uavspec_flockwave::session::{OPERATIONS, parts};
 
 use super::prelude::*;
-
-/// The maximum size of a stored list, in bytes. The ids of ten thousand UAVs fit.
-const MAX_LISTED: usize = 1 << 19;
+use crate::limits::MAX_LISTED;
 
 /// The approximate overhead of a stored id, in bytes.
 const OVERHEAD: usize = 40;
-
-/// The maximum length of a stored id, in bytes: 64 characters of up to four bytes each.
-const MAX_ID: usize = 256;
 
 /// The maximum time between lists that are compared, in seconds. Objects come and go, and a server need not report that
 /// an object is gone.

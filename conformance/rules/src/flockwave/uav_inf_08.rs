@@ -3,6 +3,7 @@
 //! If a client sets the server's clock back, the timestamps may decrease. The rule then checks nothing more. A UAV that
 //! appears after OBJ-DEL may be another UAV with the same id, so its timestamps are not compared with earlier ones.
 
+use uavspec_flockwave::limits::MAX_ID;
 use uavspec_flockwave::session::ConnectionId;
 use uavspec_flockwave::session::remembered::ById;
 
@@ -34,9 +35,6 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
 
 /// The memory limit, in bytes.
 const MEMORY_LIMIT: usize = 4 << 20;
-
-/// The maximum length of a stored id, in bytes: 64 characters of up to four bytes each.
-const MAX_ID: usize = 256;
 
 /// The latest timestamp of each UAV, by its connection and id.
 struct Latest(ById<i128>);

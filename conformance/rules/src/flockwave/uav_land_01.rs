@@ -7,6 +7,7 @@
 use std::collections::BTreeMap;
 
 use super::prelude::*;
+use crate::limits::MAX_UAVS;
 
 /// The rule.
 pub static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
@@ -45,9 +46,6 @@ const DESCENT: i128 = 200;
 
 /// The speed in mm/s above which a UAV moves sideways.
 const SIDEWAYS: u128 = 500;
-
-/// The maximum number of UAVs per connection.
-const MAX_UAVS: usize = 1_000;
 
 /// The commands that end the validity of an earlier UAV-LAND.
 const COMMANDS: [&str; 9] = [

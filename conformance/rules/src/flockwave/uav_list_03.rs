@@ -6,6 +6,7 @@
 use std::collections::BTreeSet;
 
 use super::prelude::*;
+use crate::limits::MAX_UNKNOWN;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     id: "FW-UAV-LIST-03",
@@ -49,9 +50,6 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     session.exchange(json!({ "type": "UAV-INF", "ids": ["kite"] }), error);
     list(session);
 })]);
-
-/// The maximum number of stored unknown UAVs per connection.
-const MAX_UNKNOWN: usize = 1_000;
 
 /// UAVs that UAV-INF reports as unknown, by connection.
 #[derive(Default)]

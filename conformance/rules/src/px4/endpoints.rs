@@ -8,15 +8,7 @@ use std::collections::BTreeMap;
 use uavspec_model::Endpoint;
 
 use super::prelude::*;
-
-/// The maximum number of endpoints of a topic that are compared.
-const MAX_PER_TOPIC: usize = 256;
-
-/// The maximum number of topics.
-const MAX_TOPICS: usize = 10_000;
-
-/// The maximum number of compared pairs.
-const MAX_PAIRS: usize = 10_000;
+use crate::limits::{MAX_PAIRS, MAX_PER_TOPIC, MAX_TOPICS};
 
 /// Compares two endpoints of a topic. `None` if the rule doesn't apply to the pair; otherwise, the violations.
 type Compare = fn(&Endpoint, &Endpoint) -> Option<Vec<Detail>>;

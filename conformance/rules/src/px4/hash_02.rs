@@ -16,6 +16,7 @@ use uavspec_types::px4::MessageFormatResponse;
 use super::ext::{number, px4_message};
 use super::prelude::*;
 use crate::definitions::{ReleasedType, released_type, unversioned, versioned};
+use crate::limits::MAX_ITEMS;
 
 pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
     id: "PX-HASH-02",
@@ -46,9 +47,6 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
     bag.application.first_mut()?.hash ^= 1;
     Some(bag)
 })]);
-
-/// The maximum number of types, of topics, and of differences.
-const MAX_ITEMS: usize = 10_000;
 
 #[derive(Default)]
 struct Application {

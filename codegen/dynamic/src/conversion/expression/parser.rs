@@ -5,12 +5,7 @@ use std::ops::Range;
 use uavspec_schema::span::Span;
 
 use super::tree::{Binary, Name, Node, NodeKind, Side, Unary};
-
-/// The maximum length of an expression, in bytes.
-const MAX_LENGTH: usize = 4096;
-
-/// The maximum depth of nested expressions.
-const MAX_DEPTH: usize = 64;
+use crate::limits::{MAX_EXPRESSION, MAX_EXPRESSION_DEPTH};
 
 /// The operators with two operands, from the lowest precedence to the highest.
 const LEVELS: [&[(&str, Binary)]; 8] = [
@@ -48,8 +43,8 @@ pub(in crate::conversion) fn parse(text: &str, span: Span) -> Result<Node, (Span
         }
     };
     let fail = |(range, message): Error| (place(range), message);
-    if text.len() > MAX_LENGTH {
-        return Err((span, format!("the expression is longer than {MAX_LENGTH} bytes")));
+    if text.len() > MAX_EXPRESSION {
+        return Err((span, format!("the expression is longer than {MAX_EXPRESSION} bytes")));
     }
     let tokens = tokens(text).map_err(fail)?;
     let mut parser = Parser { text, tokens, at: 0, depth: 0, place: &place };
@@ -152,8 +147,10 @@ impl<'t> Parser<'t> {
     }
 
     fn expression(&mut self) -> Result<Node, Error> {
-        if self.depth >= MAX_DEPTH {
-            return Err(self.error(format!("the expression is nested more than {MAX_DEPTH} levels deep")));
+        if self.depth >= MAX_EXPRESSION_DEPTH {
+            return Err(
+                self.error(format!("the expression is nested more than {MAX_EXPRESSION_DEPTH} levels deep"))
+            );
         }
         self.depth += 1;
         let node = if self.peek() == Some("if") { self.conditional() } else { self.level(0) };
@@ -186,8 +183,8 @@ impl<'t> Parser<'t> {
             if level == COMPARISON && count > 1 {
                 return Err(self.error("comparisons can't be chained; combine them with `and`"));
             }
-            if count > MAX_DEPTH {
-                return Err(self.error(format!("more than {MAX_DEPTH} operands; use parentheses")));
+            if count > MAX_EXPRESSION_DEPTH {
+                return Err(self.error(format!("more than {MAX_EXPRESSION_DEPTH} operands; use parentheses")));
             }
             self.at += 1;
             let right = self.level(level + 1)?;
@@ -202,8 +199,10 @@ impl<'t> Parser<'t> {
         operator: Unary,
         operand: impl FnOnce(&mut Self) -> Result<Node, Error>,
     ) -> Result<Node, Error> {
-        if self.depth >= MAX_DEPTH {
-            return Err(self.error(format!("the expression is nested more than {MAX_DEPTH} levels deep")));
+        if self.depth >= MAX_EXPRESSION_DEPTH {
+            return Err(
+                self.error(format!("the expression is nested more than {MAX_EXPRESSION_DEPTH} levels deep"))
+            );
         }
         self.depth += 1;
         let node = self.node(|parser| {

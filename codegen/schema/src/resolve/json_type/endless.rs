@@ -5,15 +5,10 @@ use petgraph::graph::{DiGraph, NodeIndex};
 
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::json_type::{Definition, Expression, JsonType, Member};
+use crate::limits::{MAX_JSON_ALTERNATIVES, MAX_JSON_DEPTH};
 
 /// The maximum number of reported cycles.
 const MAX_REPORTED: usize = 20;
-
-/// The maximum number of alternatives of an alias or union, including the alternatives of referenced types.
-const MAX_ALTERNATIVES: usize = 256;
-
-/// The maximum number of types on a path of references. Emitters recurse once per type, so this limit bounds the stack.
-const MAX_DEPTH: usize = 1_000;
 
 /// The number of names at each end of a displayed path; the middle of longer paths is omitted.
 const MAX_PATH_END: usize = 8;
@@ -45,7 +40,7 @@ pub(super) fn check(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
 fn check_depth(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
     let steps = steps(types, first, references);
     let depths = depths(&steps);
-    let is_too_deep = |at: &usize| depths[*at] > MAX_DEPTH;
+    let is_too_deep = |at: &usize| depths[*at] > MAX_JSON_DEPTH;
     // Don't report the types that refer to a reported type.
     let is_first = |at: &usize| !steps[*at].iter().any(&is_too_deep);
     let all = || (0..types.len()).filter(is_too_deep);
@@ -53,7 +48,7 @@ fn check_depth(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
     let reported = all().filter(is_first).chain(all()).take(1);
     let diagnostic = |at: usize| {
         let (name, what) = (types[at].name.clone(), "levels of nested types");
-        let problem = Problem::TooMuchNesting { name, max: MAX_DEPTH as u64, what };
+        let problem = Problem::TooMuchNesting { name, max: MAX_JSON_DEPTH as u64, what };
         Diagnostic::new(problem, types[at].span)
     };
     reported.map(diagnostic).collect()
@@ -117,11 +112,11 @@ fn check_size(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
     let mut sizes = vec![0_usize; types.len()];
     for at in groups(&steps).flatten() {
         sizes[at] = steps[at].iter().map(|step| sizes[*step]).fold(1, usize::saturating_add);
-        if sizes[at] > MAX_ALTERNATIVES {
+        if sizes[at] > MAX_JSON_ALTERNATIVES {
             let problem = Problem::TooManyParts {
                 name: types[at].name.clone(),
                 what: "alternatives, including those of referenced types",
-                max: MAX_ALTERNATIVES,
+                max: MAX_JSON_ALTERNATIVES,
             };
             diagnostics.push(Diagnostic::new(problem, types[at].span));
             // Don't report the types that refer to this one.

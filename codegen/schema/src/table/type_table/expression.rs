@@ -12,15 +12,9 @@ use std::vec::IntoIter;
 
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::json_type;
+use crate::limits::{MAX_ALTERNATIVES, MAX_TYPE_DEPTH};
 use crate::source::Span;
 use crate::table::text::Text;
-
-/// The maximum nesting depth.
-const MAX_DEPTH: usize = 16;
-
-/// The maximum number of alternatives in a type. A limit is needed because each alternative is compared with all
-/// others.
-const MAX_ALTERNATIVES: usize = 32;
 
 /// A parsed type expression.
 #[derive(Clone, Debug, PartialEq)]
@@ -170,7 +164,7 @@ impl<'t> Parser<'t> {
 
     fn term(&mut self, depth: usize) -> Result<Expression, Failure> {
         let token = self.next()?;
-        if depth > MAX_DEPTH {
+        if depth > MAX_TYPE_DEPTH {
             return Err(Failure { range: token.range, hint: Some("define the inner type separately") });
         }
         let start = self.text.part(token.range.clone());

@@ -10,11 +10,7 @@ use uavspec_rules::RuleContext;
 use uavspec_rules::definitions::Definitions;
 use uavspec_rules::flockwave::{Check, Message, RULES};
 
-/// The maximum number of versions, and also of state kinds. Hostile input may contain any number of both.
-const MAX_KNOWN: usize = 256;
-
-/// The maximum length, in bytes, of stored versions and stored lists of error codes.
-const MAX_TEXT: usize = 256;
+use crate::limits::{MAX_KNOWN, MAX_KNOWN_TEXT};
 
 /// The maximum number of findings in a counted report. The general path limits the number of findings in each body.
 const MAX_VIOLATIONS: u64 = 1_000;
@@ -80,7 +76,7 @@ impl<K> Entry<K> {
             return None;
         }
         if !self.reported_uavs.contains(uav) {
-            if self.reported_uavs.len() < MAX_KNOWN && uav.len() <= MAX_TEXT {
+            if self.reported_uavs.len() < MAX_KNOWN && uav.len() <= MAX_KNOWN_TEXT {
                 self.reported_uavs.insert(uav.into());
             }
             return None;
@@ -99,7 +95,7 @@ impl<'d> Known<'d> {
         let found = self.versions.iter().position(|known| *known.key == *version);
         let at = found.unwrap_or(self.versions.len());
         if found.is_none() {
-            if at == MAX_KNOWN || version.len() > MAX_TEXT {
+            if at == MAX_KNOWN || version.len() > MAX_KNOWN_TEXT {
                 return None;
             }
             let outcome = self.check(version, "");
@@ -118,7 +114,7 @@ impl<'d> Known<'d> {
     }
 
     fn learn(&mut self, kind: Kind<'_>, uav: &str, state: &str) -> Option<usize> {
-        if self.kinds.len() == MAX_KNOWN || kind.errors.len() > MAX_TEXT {
+        if self.kinds.len() == MAX_KNOWN || kind.errors.len() > MAX_KNOWN_TEXT {
             return None;
         }
         // The version doesn't change the results for a state.

@@ -6,6 +6,7 @@ use uavspec_dynamic::{DynamicView, Value as FieldValue};
 use uavspec_schema::MessageId;
 
 use super::{Defined, defined, event_part, number, rank_of};
+use crate::limits::MAX_COMPONENTS;
 use crate::timeline::context::Context;
 use crate::timeline::label::{Item, Label};
 use crate::timeline::lane::{LaneKind, Part, Severity, Value};
@@ -15,9 +16,6 @@ const REPLY: &str = "arming_check_reply";
 
 /// The verdict of a reply.
 const VERDICT: &str = "can_arm_and_run";
-
-/// The maximum number of components whose names are stored. PX4 supports far fewer components.
-const MAX_COMPONENTS: usize = 256;
 
 /// Follows the external components.
 #[derive(Default)]

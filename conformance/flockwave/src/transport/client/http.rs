@@ -15,8 +15,9 @@ use ureq::http::{Request, header};
 use ureq::{Agent, AsSendBody, Timeout};
 
 use super::status::{Refusal, redirected, too_many_redirects};
-use super::target::{REDIRECT_LIMIT, Target};
+use super::target::Target;
 use super::{Client, Received, invalid, timed_out};
+use crate::limits::REDIRECT_LIMIT;
 use crate::transport::MESSAGE_LIMIT;
 use crate::transport::access::Access;
 

@@ -11,6 +11,7 @@ use uavspec_model::clock::Clock;
 use super::http::HttpClient;
 use super::target::Target;
 use super::{Client, Received, invalid, text_of, timed_out};
+use crate::limits::EARLY_LIMIT;
 use crate::transport::access::Access;
 use crate::transport::endpoint::ServerAddress;
 use crate::transport::engine::{Kind, Packet, Revision, decode, encode};
@@ -25,9 +26,6 @@ const CLOSE_LIMIT: Duration = Duration::from_secs(2);
 /// The maximum number of payloads in the queue. Polling pauses when the queue is full. A payload may be as long as two
 /// messages.
 const WAITING_LIMIT: usize = 1;
-
-/// The maximum number of packets received before the namespace is joined. Some servers send messages early.
-const EARLY_LIMIT: usize = 1000;
 
 /// The maximum size of these packets, in bytes.
 const EARLY_BYTES: usize = MESSAGE_LIMIT;

@@ -5,7 +5,8 @@ use std::io;
 use uavspec_model::text::{shown, shown_url, start_of, without_query};
 use ureq::http::{HeaderMap, StatusCode, header};
 
-use super::target::{REDIRECT_LIMIT, Target};
+use super::target::Target;
+use crate::limits::REDIRECT_LIMIT;
 use crate::transport::access::Access;
 
 /// The maximum length of the excerpt of a body, in characters.

@@ -6,9 +6,6 @@ use uavspec_model::text::shown_url;
 
 use crate::transport::endpoint::{ServerAddress, default_port};
 
-/// The maximum number of redirects of a request.
-pub(super) const REDIRECT_LIMIT: usize = 5;
-
 /// The server, path and query of an HTTP request.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Target {

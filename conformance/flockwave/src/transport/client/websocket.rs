@@ -15,8 +15,9 @@ use uavspec_model::net::{Stream, is_silence};
 
 use super::http::{not_http, tls_hint};
 use super::status::{Refusal, redirected, too_many_redirects};
-use super::target::{REDIRECT_LIMIT, Target};
+use super::target::Target;
 use super::{Client, Received, invalid, text_of, timed_out};
+use crate::limits::REDIRECT_LIMIT;
 use crate::transport::access::Access;
 use crate::transport::client::polling::{Heartbeat, Opening, Step, step};
 use crate::transport::endpoint::ServerAddress;

@@ -6,9 +6,12 @@ use rustdds::discovery::{DiscoveredReaderData, DiscoveredWriterData};
 use rustdds::{EndpointDescription, GUID, QosPolicies};
 use uavspec_model::{Durability, Endpoint, EndpointKind, Qos, Reliability};
 
-use super::super::{Event, MAX_ENDPOINTS, MAX_NAME, Topic};
+use uavspec_model::limits::MAX_NAME;
+
+use super::super::{Event, Topic};
 use super::partitions::Partitions;
 use super::{names, qos};
+use crate::limits::MAX_ENDPOINTS;
 
 /// The start of the names of built-in topics. Programs with this transport subscribe to them.
 const BUILT_IN: &str = "DCPS";

@@ -1,6 +1,6 @@
 //! Names and type hashes of ROS in DDS.
 
-use super::super::MAX_NAME;
+use uavspec_model::limits::MAX_NAME;
 
 /// The ROS name of a topic: `/fmu/out/x` for `rt/fmu/out/x`. Topics that aren't ROS topics keep their name.
 pub(crate) fn topic_to_ros(name: &str) -> &str {

@@ -7,8 +7,11 @@ use std::collections::HashMap;
 
 use uavspec_model::{Durability, History, Qos};
 
-use super::super::{MAX_ENDPOINTS, MAX_NAME, Topic};
+use uavspec_model::limits::MAX_NAME;
+
+use super::super::Topic;
 use super::reader::{RawReader, Readers};
+use crate::limits::MAX_ENDPOINTS;
 
 /// The built-in topics for publishers and subscribers.
 const TOPICS: [&str; 2] = ["DCPSPublication", "DCPSSubscription"];

@@ -6,9 +6,7 @@ use uavspec_model::json::Tree;
 
 use crate::bus::websocket::{check_name, member, publisher, string};
 use crate::bus::{Encoding, Event, Schema, Topic};
-
-/// The maximum size of a schema, in bytes.
-const MAX_SCHEMA: usize = 1 << 20;
+use crate::limits::MAX_SCHEMA;
 
 /// A channel of a server: a topic with its encoding and its schema.
 pub(super) struct Channel {

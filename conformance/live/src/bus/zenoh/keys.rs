@@ -1,6 +1,8 @@
 //! The keys of topics, and the names in them.
 
-use crate::bus::{MAX_NAME, Topic};
+use uavspec_model::limits::MAX_NAME;
+
+use crate::bus::Topic;
 
 /// The hash in keys of ROS 2 Humble, which has no hashes.
 pub(super) const NO_HASH: &str = "TypeHashNotSupported";

@@ -4,7 +4,9 @@ use uavspec_model::{EndpointKind, Qos};
 
 use super::keys::NO_HASH;
 use super::qos::{format_qos, parse_qos};
-use crate::bus::{MAX_NAME, Topic};
+use uavspec_model::limits::MAX_NAME;
+
+use crate::bus::Topic;
 
 /// The first part of each token.
 const PREFIX: &str = "@ros2_lv";

@@ -7,9 +7,7 @@ use uavspec_dynamic::DynamicView;
 use uavspec_runtime::Number;
 
 use super::Meaning;
-
-/// The maximum number of batteries. PX4 supports four.
-const MAX_BATTERIES: usize = 16;
+use crate::limits::MAX_BATTERIES;
 
 /// A battery. Values that aren't known are `None`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -5,8 +5,7 @@ use std::collections::BTreeMap;
 use uavspec_check::timeline::{Part, number, reply_events, text};
 use uavspec_dynamic::DynamicView;
 
-/// The maximum number of components. PX4 supports far fewer components.
-const MAX_COMPONENTS: usize = 64;
+use crate::limits::MAX_COMPONENTS;
 
 /// The number of consecutive requests without a reply after which PX4 regards a component as unresponsive.
 pub(crate) const LATE: u32 = 3;

@@ -149,7 +149,7 @@ impl Flags {
 }
 
 /// The flags that meet a condition. Groups without flags are left out.
-pub(crate) fn filtered<'f>(groups: Groups<'f>, is_kept: impl Fn(&Flag<'_>) -> bool) -> Groups<'f> {
+pub(crate) fn filtered(groups: Groups<'_>, is_kept: impl Fn(&Flag<'_>) -> bool) -> Groups<'_> {
     let kept = groups.into_iter().map(|group| group.into_iter().filter(&is_kept).collect::<Vec<_>>());
     kept.filter(|group| !group.is_empty()).collect()
 }

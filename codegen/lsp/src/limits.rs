@@ -1,0 +1,14 @@
+//! The limits on what this crate reads and stores. Hostile input reaches them; real input doesn't.
+
+/// The maximum number of files and folders that are searched. PX4 with all submodules has about 60,000.
+pub(crate) const MAX_ENTRIES: usize = 200_000;
+
+/// The maximum length of a message in bytes. The longest messages contain the text of a document.
+pub(crate) const MAX_MESSAGE: u64 = 64 << 20;
+
+/// The maximum length of a header line in bytes.
+pub(crate) const MAX_HEADER: u64 = 4 << 10;
+
+/// The maximum number of messages that wait for the server. It handles them together, so that the definitions are read
+/// once after an editor opens many files.
+pub(crate) const MAX_WAITING: usize = 256;

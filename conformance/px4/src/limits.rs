@@ -1,0 +1,8 @@
+//! The limits on what this crate reads and stores. Hostile input reaches them; real input doesn't.
+
+/// The maximum length of a path or subject in a plan, in characters. There is one of each for each field of each entry,
+/// and names in captures have any length.
+pub(crate) const MAX_PATH: usize = 256;
+
+/// The number of findings in a payload that are reported separately. A small compressed payload can contain millions.
+pub(crate) const MAX_REPORTED: usize = 10_000;
