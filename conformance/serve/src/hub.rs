@@ -208,8 +208,16 @@ impl Hub {
         }
     }
 
+    /// Sends a SYS-CLOSE if there is a reason, and removes the connection.
+    pub(super) fn end_session(&mut self, id: SessionId, reason: Option<&str>) {
+        if let Some(reason) = reason {
+            self.dismiss(id, reason);
+        }
+        self.close(id);
+    }
+
     /// Sends a SYS-CLOSE with the reason, and closes the connection.
-    pub(super) fn dismiss(&mut self, id: SessionId, reason: &str) {
+    fn dismiss(&mut self, id: SessionId, reason: &str) {
         self.notify(id, &farewell(reason));
         self.disconnect(id);
     }
@@ -607,6 +615,6 @@ fn is_open(request: &Request) -> bool {
 }
 
 /// A notification that the server is closing the connection.
-fn farewell(reason: &str) -> Notification {
+pub(super) fn farewell(reason: &str) -> Notification {
     sys_close::Notification { reason: Some(reason.to_owned()) }.into()
 }

@@ -50,8 +50,10 @@ mod tests;
 mod uav;
 mod world;
 
+use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 use std::{fmt, io};
@@ -60,8 +62,7 @@ use uavspec_model::clock::Clock;
 use uavspec_rules::flockwave::FlockwaveRule;
 
 use self::hub::{Hub, RequestHandler};
-pub use self::listen::statistics::{Reason, Statistics};
-use self::listen::{Bound, Control, Reactor};
+use self::listen::{Reactor, Sockets};
 pub use self::memory::InMemory;
 
 /// The transports, named as in the protocol's reference server.
@@ -178,10 +179,13 @@ pub fn loss(text: &str) -> Result<(String, Duration), String> {
     Ok((id.to_owned(), time))
 }
 
+/// The numbers of clients that the server refused or disconnected, by reason.
+pub type Counts = BTreeMap<&'static str, u64>;
+
 /// A running server. The server ends when it is dropped, or when [`end`](Self::end) is called.
 pub struct Server {
-    control: Arc<Control>,
-    thread: Option<JoinHandle<()>>,
+    is_ending: Arc<AtomicBool>,
+    thread: Option<JoinHandle<Counts>>,
     listening: Vec<Listening>,
 }
 
@@ -197,20 +201,17 @@ impl Server {
         addresses: &[(Transport, SocketAddr)],
         answer: RequestHandler,
     ) -> io::Result<Self> {
-        let bound = addresses.iter().map(|(transport, address)| Bound::bind(*transport, *address));
-        let mut bound: Vec<Bound> = bound.collect::<io::Result<_>>()?;
-        let listening: Vec<Listening> = bound.iter().map(Bound::listening).collect();
-        let poll = mio::Poll::new()?;
-        Reactor::register(&poll, &mut bound)?;
-        let control = Arc::<Control>::default();
+        let sockets = Sockets::bind(addresses)?;
+        let listening = sockets.listening.clone();
         let ports = listening.iter().rev().map(|at| (at.transport.name(), at.address.port())).collect();
-        let of_thread = Arc::clone(&control);
+        let is_ending = Arc::<AtomicBool>::default();
+        let of_thread = Arc::clone(&is_ending);
         let thread = thread::spawn(move || {
             let mut hub = Hub::new(options, answer);
             hub.ports = ports;
-            Reactor::new(poll, bound, hub).run(&of_thread);
+            Reactor::new(sockets, hub).run(&of_thread)
         });
-        Ok(Self { control, thread: Some(thread), listening })
+        Ok(Self { is_ending, thread: Some(thread), listening })
     }
 
     /// The addresses of the server, in the requested order.
@@ -218,28 +219,20 @@ impl Server {
         &self.listening
     }
 
-    /// The counts of served, refused and disconnected clients.
-    pub fn statistics(&self) -> Statistics {
-        self.control.statistics()
-    }
-
     /// True if the server stopped because of an internal error.
     pub fn has_failed(&self) -> bool {
         self.thread.as_ref().is_some_and(JoinHandle::is_finished)
     }
 
-    /// Sends SYS-CLOSE to all clients, and ends the server. Returns the final counts.
-    pub fn end(mut self) -> Statistics {
-        self.join();
-        self.statistics()
+    /// Sends SYS-CLOSE to all clients, and ends the server. Returns the clients that it refused or disconnected before.
+    pub fn end(mut self) -> Counts {
+        self.join()
     }
 
-    fn join(&mut self) {
-        self.control.end();
-        if let Some(thread) = self.thread.take() {
-            // A thread that panicked has ended as well.
-            let _ = thread.join();
-        }
+    fn join(&mut self) -> Counts {
+        self.is_ending.store(true, Ordering::Release);
+        // A thread that panicked has ended as well.
+        self.thread.take().and_then(|thread| thread.join().ok()).unwrap_or_default()
     }
 }
 

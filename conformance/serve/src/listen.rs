@@ -1,66 +1,69 @@
-//! Connects sockets to the hub. One thread serves all clients: it waits for events of all sockets, and visits the
-//! connections that have something to do in turn.
+//! Connects sockets to the hub. One thread serves all clients: it waits until a socket is ready, and then visits all
+//! sockets in turn.
 
 mod connection;
 mod engine;
-pub(crate) mod limits;
+mod limits;
 mod one_shot;
 mod outbox;
 mod reactor;
-mod reply;
 mod seats;
-pub(super) mod statistics;
 mod tcp;
 mod udp;
 mod web;
 
+use std::collections::BTreeMap;
 use std::io;
 use std::net::SocketAddr;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
-use mio::net::{TcpListener, UdpSocket};
+use mio::net::{TcpListener, TcpStream, UdpSocket};
+use mio::{Interest, Poll, Token};
 use uavspec_model::clock::Clock;
 use uavspec_rules::flockwave::FlockwaveRule;
 
 use self::engine::Sessions;
-use self::limits::{Budget, TOTAL_QUEUED, TOTAL_RECEIVED};
-pub(super) use self::reactor::{Control, Reactor};
-use self::statistics::Statistics;
+pub(super) use self::limits::REQUEST_LIMIT;
+use self::limits::{Budget, Reason, TOTAL_QUEUED, TOTAL_RECEIVED};
+use self::outbox::Outbox;
+pub(super) use self::reactor::{Reactor, TICK};
 use super::hub::{Hub, SessionId};
-use super::{Listening, Transport};
+use super::{Counts, Listening, Transport};
+
+/// The token of the events of all sockets, because events only wake the event loop.
+const TOKEN: Token = Token(0);
 
 /// The state that all connections share.
 struct Shared {
     hub: Hub,
     sessions: Sessions,
-    bug: Option<&'static FlockwaveRule>,
-    clock: Clock,
     started: Instant,
     /// The memory of data that waits to be sent.
     queued: Rc<Budget>,
     /// The memory of received data.
     received: Rc<Budget>,
-    statistics: Statistics,
+    counts: Counts,
 }
 
 impl Shared {
     fn new(hub: Hub) -> Self {
-        let (bug, clock) = (hub.options.bug, hub.options.clock.clone());
         Self {
+            started: hub.options.clock.now(),
             hub,
             sessions: Sessions::default(),
-            bug,
-            started: clock.now(),
-            clock,
             queued: Budget::new(TOTAL_QUEUED),
             received: Budget::new(TOTAL_RECEIVED),
-            statistics: Statistics::default(),
+            counts: BTreeMap::new(),
         }
     }
 
+    fn clock(&self) -> &Clock {
+        &self.hub.options.clock
+    }
+
     fn now(&self) -> Instant {
-        self.clock.now()
+        self.clock().now()
     }
 
     /// The time since the start of the server.
@@ -69,7 +72,12 @@ impl Shared {
     }
 
     fn has_bug(&self, rule: &FlockwaveRule) -> bool {
-        self.bug.is_some_and(|bug| std::ptr::eq(bug, rule))
+        self.hub.has_bug(rule)
+    }
+
+    /// Creates a queue of data for a client.
+    fn outbox(&self, stream: Option<Rc<TcpStream>>) -> Outbox {
+        Outbox::new(stream, &self.queued, self.clock().clone())
     }
 
     /// Processes a message. Returns true if it is a valid request.
@@ -77,35 +85,54 @@ impl Shared {
         let elapsed = self.elapsed();
         self.hub.receive(id, bytes, elapsed)
     }
+
+    /// Counts a client that the server refused or disconnected.
+    fn count(&mut self, reason: Reason) {
+        if let Some(reason) = reason {
+            *self.counts.entry(reason).or_default() += 1;
+        }
+    }
 }
 
-/// A bound address.
-pub(super) struct Bound {
-    transport: Transport,
-    address: SocketAddr,
-    socket: Socket,
+/// Bound sockets, registered for events.
+pub(super) struct Sockets {
+    poll: Poll,
+    /// The sockets that accept connections.
+    doors: Vec<(TcpListener, Transport)>,
+    datagrams: Vec<UdpSocket>,
+    /// The addresses of the sockets, in the requested order.
+    pub(super) listening: Vec<Listening>,
 }
 
-enum Socket {
-    Stream(TcpListener),
-    Datagram(UdpSocket),
-}
-
-impl Bound {
-    pub(super) fn bind(transport: Transport, address: SocketAddr) -> io::Result<Self> {
-        let explain = |error: io::Error| {
-            io::Error::new(error.kind(), format!("can't listen on {}://{address}: {error}", transport.name()))
-        };
-        Ok(if transport == Transport::Udp {
-            let socket = UdpSocket::bind(address).map_err(explain)?;
-            Self { transport, address: socket.local_addr()?, socket: Socket::Datagram(socket) }
-        } else {
-            let listener = TcpListener::bind(address).map_err(explain)?;
-            Self { transport, address: listener.local_addr()?, socket: Socket::Stream(listener) }
-        })
+impl Sockets {
+    /// Binds these addresses.
+    pub(super) fn bind(addresses: &[(Transport, SocketAddr)]) -> io::Result<Self> {
+        let (doors, datagrams, listening) = (Vec::new(), Vec::new(), Vec::new());
+        let mut sockets = Self { poll: Poll::new()?, doors, datagrams, listening };
+        for (transport, address) in addresses {
+            let address = sockets.add(*transport, *address).map_err(|error| {
+                let place = format!("{}://{address}", transport.name());
+                io::Error::new(error.kind(), format!("can't listen on {place}: {error}"))
+            })?;
+            sockets.listening.push(Listening { transport: *transport, address });
+        }
+        Ok(sockets)
     }
 
-    pub(super) fn listening(&self) -> Listening {
-        Listening { transport: self.transport, address: self.address }
+    /// Binds an address. Returns it with the actual port.
+    fn add(&mut self, transport: Transport, address: SocketAddr) -> io::Result<SocketAddr> {
+        if transport == Transport::Udp {
+            let mut socket = UdpSocket::bind(address)?;
+            self.poll.registry().register(&mut socket, TOKEN, Interest::READABLE)?;
+            let address = socket.local_addr();
+            self.datagrams.push(socket);
+            address
+        } else {
+            let mut listener = TcpListener::bind(address)?;
+            self.poll.registry().register(&mut listener, TOKEN, Interest::READABLE)?;
+            let address = listener.local_addr();
+            self.doors.push((listener, transport));
+            address
+        }
     }
 }

@@ -214,9 +214,8 @@ pub(super) fn serve(args: &ServeArgs) -> Exit {
     if server.has_failed() {
         return Err(Status::Unreadable.because("the server stopped because of an internal error"));
     }
-    let statistics = server.end().to_string();
-    if !statistics.is_empty() {
-        terminal::eprintln!("{statistics}");
+    for (reason, count) in server.end() {
+        terminal::eprintln!("{count} × {reason}");
     }
     Ok(Status::Conforms)
 }

@@ -2,8 +2,9 @@
 
 mod session;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::io::{self, Read, Write};
+use std::iter;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
@@ -12,18 +13,16 @@ use tungstenite::protocol::{Role, WebSocketConfig};
 use tungstenite::{Error, Message, WebSocket};
 use uavspec_flockwave::transport::engine::{Kind, Packet, Revision, decode, encode};
 use uavspec_flockwave::transport::http::{Request, Response};
-use uavspec_model::clock::Clock;
 use uavspec_model::net::is_silence;
 use uavspec_rules::flockwave::sio_02;
 
 use self::session::Session;
 use super::Shared;
 use super::connection::{Protocol, Step};
-use super::limits::{CLIENT_LIMIT, IDLE_TIME, REQUEST_LIMIT, SEND_LIMIT};
-use super::outbox::{Outbox, Taken};
-use super::reply::{Pending, Reply};
-use super::seats::{Admission, Seats};
-use super::statistics::Reason;
+use super::limits::{CLIENT_LIMIT, DISCONNECTED, REPLACED, REQUEST_LIMIT, Reason};
+use super::outbox::Outbox;
+use super::seats::{Admission, admit};
+use super::web::{Pending, Reply};
 
 /// The maximum number of packets per poll response. Some clients accept only this many.
 const PACKETS_AT_ONCE: usize = 16;
@@ -35,67 +34,46 @@ const POLL_LIMIT: Duration = Duration::from_secs(60);
 const READ_BUFFER: usize = 4 << 10;
 
 /// All sessions, by id.
-pub(super) struct Sessions {
-    all: BTreeMap<String, Rc<Session>>,
-    seats: Seats<String>,
-}
-
-impl Default for Sessions {
-    fn default() -> Self {
-        Self { all: BTreeMap::new(), seats: Seats::new(CLIENT_LIMIT, IDLE_TIME) }
-    }
-}
+pub(super) type Sessions = BTreeMap<String, Rc<Session>>;
 
 /// Sends pings, and ends sessions that didn't respond to them.
 pub(super) fn tend(shared: &mut Shared) {
     let now = shared.now();
-    let (alive, expired): (Vec<_>, Vec<_>) =
-        shared.sessions.all.values().cloned().partition(|session| session.is_alive(now));
-    for session in alive {
-        session.ping_if_due(now);
-    }
-    for session in expired {
-        session.end(shared);
-    }
-}
-
-impl Sessions {
-    /// Closes all sessions, including those of clients that joined no namespace.
-    pub(super) fn end(&self) {
-        for session in self.all.values() {
-            session.close();
+    let sessions: Vec<Rc<Session>> = shared.sessions.values().cloned().collect();
+    for session in sessions {
+        if session.is_alive(now) {
+            session.ping_if_due(now);
+        } else {
+            session.end(shared, DISCONNECTED);
         }
     }
-
-    fn remove(&mut self, sid: &String) {
-        self.all.remove(sid);
-        self.seats.remove(sid);
-    }
 }
 
-/// Ends a session that gives way to a newcomer.
-fn replace(shared: &mut Shared, sid: &String) {
-    shared.statistics.count(Reason::Replaced);
-    if let Some(session) = shared.sessions.all.get(sid).cloned() {
-        session.dismiss(shared, Reason::Replaced);
+/// Closes all sessions, including those of clients that joined no namespace.
+pub(super) fn close(shared: &Shared) {
+    for session in shared.sessions.values() {
+        session.close();
     }
 }
 
 /// Opens a session. If there are too many, an idle session gives way.
-fn open(shared: &mut Shared, revision: Revision) -> Option<Rc<Session>> {
-    let now = shared.now();
-    match shared.sessions.seats.admit(now) {
+fn open(shared: &mut Shared, revision: Revision) -> Result<Rc<Session>, Response> {
+    let seats = shared.sessions.values().map(|session| (session, session.seat.get()));
+    match admit(seats, CLIENT_LIMIT, shared.now()) {
         Admission::Free => {}
-        Admission::Evict(sid) => replace(shared, &sid),
+        Admission::Evict(session) => {
+            let session = Rc::clone(session);
+            shared.count(REPLACED);
+            session.end(shared, REPLACED);
+        }
         Admission::Refused => {
-            shared.statistics.refused += 1;
-            return None;
+            shared.count(Some("refused: the server was full"));
+            return Err(Response::refusal("503 Service Unavailable", "too many sessions"));
         }
     }
     let session = Session::open(shared, revision);
-    shared.sessions.seats.insert(session.sid().clone(), now);
-    shared.sessions.all.insert(session.sid().clone(), Rc::clone(&session));
-    Some(session)
+    shared.sessions.insert(session.sid.clone(), Rc::clone(&session));
+    Ok(session)
 }
 
 fn refused(reason: &str) -> Response {
@@ -108,107 +86,80 @@ fn session(shared: &mut Shared, request: &Request) -> Result<Rc<Session>, Respon
     let revision = revision.ok_or_else(|| refused("EIO must be 3 or 4"))?;
     match request.field("sid") {
         Some(sid) => {
-            let session = shared.sessions.all.get(sid).ok_or_else(|| refused("unknown session"))?;
-            let is_same = session.revision() == revision;
-            if is_same {
-                Ok(Rc::clone(session))
-            } else {
-                Err(refused("the session was opened with a different EIO"))
+            let session = shared.sessions.get(sid).ok_or_else(|| refused("unknown session"))?;
+            if session.revision != revision {
+                return Err(refused("the session was opened with a different EIO"));
             }
+            session.is_used.set(true);
+            Ok(Rc::clone(session))
         }
-        None if request.method == "GET" => open(shared, revision)
-            .ok_or_else(|| Response::refusal("503 Service Unavailable", "too many sessions")),
+        None if request.method == "GET" => open(shared, revision),
         None => Err(refused("use GET to open a session")),
     }
 }
 
 /// Handles a long-polling request.
-pub(super) fn by_polling(shared: &mut Shared, request: &Request) -> Reply {
+pub(super) fn by_polling(shared: &mut Shared, request: &Request) -> Result<Reply, Response> {
     if request.field("transport") != Some("polling") {
-        return Reply::Now(refused("transport must be polling or websocket"));
+        return Err(refused("transport must be polling or websocket"));
     }
     if request.field("j").is_some() {
-        return Reply::Now(refused("JSONP isn't supported"));
+        return Err(refused("JSONP isn't supported"));
     }
     if shared.has_bug(&sio_02::RULE) {
-        return Reply::Now(refused("long polling isn't supported"));
+        return Err(refused("long polling isn't supported"));
     }
-    let session = match session(shared, request) {
-        Ok(session) => session,
-        Err(response) => return Reply::Now(response),
-    };
-    if request.field("sid").is_some() {
-        session.mark_used();
-    }
+    let session = session(shared, request)?;
     if session.is_upgraded() {
-        return Reply::Now(refused("the session has been upgraded to a WebSocket"));
+        return Err(refused("the session has been upgraded to a WebSocket"));
     }
     match request.method.as_str() {
+        "GET" if session.start_poll(shared.now()) => {
+            Ok(Reply::Later(Box::new(Poll { session, until: shared.now() + POLL_LIMIT })))
+        }
         // Two concurrent polls would divide the packets between them.
-        "GET" => match Poll::start(session, shared.clock.clone()) {
-            Some(poll) => Reply::Later(Box::new(poll)),
-            None => Reply::Now(refused("another poll of this session is pending")),
-        },
-        "POST" => Reply::Now(take(shared, &session, &request.body)),
+        "GET" => Err(refused("another poll of this session is pending")),
+        "POST" => {
+            for packet in decode(session.revision, &request.body).map_err(|error| refused(&error))? {
+                session.take(shared, packet);
+            }
+            Ok(Reply::Now(Response::new("200 OK", "text/html", "ok")))
+        }
         _ => {
             let refusal = Response::refusal("405 Method Not Allowed", "use GET or POST");
-            Reply::Now(refusal.with("Allow", "GET, POST"))
+            Err(refusal.with("Allow", "GET, POST"))
         }
     }
 }
 
-/// A request that waits for packets. Dropping it allows the next poll.
+/// A request that waits for packets.
 struct Poll {
     session: Rc<Session>,
-    clock: Clock,
     until: Instant,
 }
 
-impl Poll {
-    /// Starts a poll, unless another poll of the session is pending.
-    fn start(session: Rc<Session>, clock: Clock) -> Option<Self> {
-        let now = clock.now();
-        session.start_poll(now).then(|| Self { session, clock, until: now + POLL_LIMIT })
-    }
-
-    fn is_over(&self) -> bool {
-        self.clock.now() >= self.until
-    }
-}
-
 impl Pending for Poll {
-    fn is_due(&self) -> bool {
-        self.session.queue().is_ready() || self.is_over()
-    }
-
-    fn response(&mut self, _: &mut Shared) -> Option<Response> {
-        let texts = match self.session.queue().take(PACKETS_AT_ONCE) {
-            Taken::Texts(texts) => texts,
-            Taken::Nothing if !self.is_over() => return None,
-            Taken::Nothing => vec![Packet::new(Kind::Noop, "").to_text()],
-            Taken::End => return Some(refused("the session has ended")),
-        };
-        let packets: Vec<Packet> = texts.iter().filter_map(|text| Packet::parse(text)).collect();
-        let payload = encode(self.session.revision(), &packets);
+    fn response(&mut self, shared: &mut Shared) -> Option<Response> {
+        let queue = &self.session.queue;
+        let texts = iter::from_fn(|| queue.take()).take(PACKETS_AT_ONCE);
+        let mut packets: Vec<Packet> =
+            texts.filter_map(|text| Packet::parse(std::str::from_utf8(&text).ok()?)).collect();
+        if packets.is_empty() {
+            if queue.is_closed() {
+                return Some(refused("the session has ended"));
+            }
+            if shared.now() < self.until {
+                return None;
+            }
+            packets.push(Packet::new(Kind::Noop, ""));
+        }
+        let payload = encode(self.session.revision, &packets);
         Some(Response::new("200 OK", "text/plain; charset=UTF-8", payload))
     }
-}
 
-impl Drop for Poll {
-    fn drop(&mut self) {
-        self.session.end_poll(self.clock.now());
+    fn end(&mut self, shared: &mut Shared) {
+        self.session.end_poll(shared.now());
     }
-}
-
-fn take(shared: &mut Shared, session: &Session, payload: &[u8]) -> Response {
-    let packets = match decode(session.revision(), payload) {
-        Ok(packets) => packets,
-        Err(error) => return refused(&error),
-    };
-    for packet in packets {
-        session.take(shared, packet);
-    }
-    Response::new("200 OK", "text/html", "ok")
 }
 
 /// Answers the request for an upgrade to a WebSocket. `rest` are the bytes after the request.
@@ -218,20 +169,16 @@ pub(super) fn over_web_socket(
     request: &Request,
     rest: &[u8],
 ) -> Result<WebSocketClient, Response> {
-    let key =
-        request.header("sec-websocket-key").filter(|_| request.header("sec-websocket-version") == Some("13"));
-    let key = key
-        .filter(|_| request.field("transport") == Some("websocket"))
-        .ok_or_else(|| refused("expected WebSocket version 13 and transport=websocket"))?;
+    let is_supported = request.header("sec-websocket-version") == Some("13")
+        && request.field("transport") == Some("websocket");
+    let key = request.header("sec-websocket-key").filter(|_| is_supported);
+    let key = key.ok_or_else(|| refused("expected WebSocket version 13 and transport=websocket"))?;
     let session = session(shared, request)?;
-    outbox.push(
-        format!(
-            "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n\
-             Sec-WebSocket-Accept: {}\r\n\r\n",
-            derive_accept_key(key.as_bytes())
-        )
-        .as_bytes(),
-    );
+    outbox.push(format!(
+        "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n\
+         Sec-WebSocket-Accept: {}\r\n\r\n",
+        derive_accept_key(key.as_bytes())
+    ));
     if request.field("sid").is_none() {
         session.upgrade(outbox);
     }
@@ -239,7 +186,7 @@ pub(super) fn over_web_socket(
         .read_buffer_size(READ_BUFFER)
         .max_message_size(Some(REQUEST_LIMIT))
         .max_frame_size(Some(REQUEST_LIMIT));
-    let pipe = Pipe { received: Vec::new(), start: 0, outbox: Rc::clone(outbox) };
+    let pipe = Pipe { received: VecDeque::new(), outbox: Rc::clone(outbox) };
     let mut client = WebSocketClient {
         session,
         socket: WebSocket::from_raw_socket(pipe, Role::Server, Some(config)),
@@ -251,20 +198,16 @@ pub(super) fn over_web_socket(
 
 /// The stream below a WebSocket: received bytes, and the queue of bytes to send.
 struct Pipe {
-    received: Vec<u8>,
-    /// The number of bytes that were read.
-    start: usize,
+    received: VecDeque<u8>,
     outbox: Rc<Outbox>,
 }
 
 impl Read for Pipe {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let length = (&self.received[self.start..]).read(buffer)?;
-        if length == 0 {
+        if self.received.is_empty() {
             return Err(io::ErrorKind::WouldBlock.into());
         }
-        self.start += length;
-        Ok(length)
+        self.received.read(buffer)
     }
 }
 
@@ -292,8 +235,9 @@ impl WebSocketClient {
         let Some(packet) = Packet::parse(text) else { return Step::End };
         match (packet.kind, self.session.is_upgraded()) {
             (Kind::Ping, false) => {
-                outbox.push_text(&Packet::new(Kind::Pong, packet.data).to_text());
-                self.session.release_poll();
+                outbox.push_text(Packet::new(Kind::Pong, packet.data).to_text());
+                // The client can switch to the WebSocket after the end of the poll.
+                self.session.push(Kind::Noop, "");
             }
             (Kind::Upgrade, false) => self.session.upgrade(outbox),
             (_, false) => return Step::End,
@@ -307,10 +251,7 @@ impl WebSocketClient {
 
 impl Protocol for WebSocketClient {
     fn feed(&mut self, bytes: &[u8]) {
-        let pipe = self.socket.get_mut();
-        pipe.received.drain(..pipe.start);
-        pipe.start = 0;
-        pipe.received.extend_from_slice(bytes);
+        self.socket.get_mut().received.extend(bytes);
         self.incomplete += bytes.len();
     }
 
@@ -318,15 +259,13 @@ impl Protocol for WebSocketClient {
         let message = match self.socket.read() {
             Err(Error::Io(error)) if is_silence(&error) => {
                 // The WebSocket has read everything.
-                let pipe = self.socket.get_mut();
-                (pipe.received, pipe.start) = (Vec::new(), 0);
+                self.socket.get_mut().received = VecDeque::new();
                 return Step::Starved;
             }
             Err(_) => return Step::End,
             Ok(message) => message,
         };
-        let pipe = self.socket.get_ref();
-        self.incomplete = pipe.received.len() - pipe.start;
+        self.incomplete = self.socket.get_ref().received.len();
         match message {
             Message::Text(text) => self.take(shared, outbox, &text),
             Message::Close(_) => {
@@ -338,27 +277,14 @@ impl Protocol for WebSocketClient {
         }
     }
 
-    fn has_rest(&self) -> bool {
-        self.incomplete > 0
-    }
-
-    fn capacity(&self) -> usize {
+    fn unfinished(&self) -> usize {
         // The buffer of the WebSocket doesn't count, because each client has one.
         self.incomplete
     }
 
-    fn idle_limit(&self) -> Option<Duration> {
-        // A session that has been upgraded has its own pings.
-        (!self.session.is_upgraded()).then_some(SEND_LIMIT)
-    }
-
-    fn dismiss(&mut self, shared: &mut Shared, reason: Reason) {
-        self.session.dismiss(shared, reason);
-    }
-
-    fn end(&mut self, shared: &mut Shared) {
-        if self.session.is_upgraded() {
-            self.session.end(shared);
+    fn end(&mut self, shared: &mut Shared, reason: Reason) {
+        if reason.is_some() || self.session.is_upgraded() {
+            self.session.end(shared, reason);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The limits of the server, and the memory that all clients share.
+//! The limits of the server, the reasons to disconnect clients, and the memory that all clients share.
 
 use std::cell::Cell;
 use std::rc::Rc;
@@ -7,7 +7,7 @@ use std::time::Duration;
 use uavspec_model::net::open_files;
 
 /// The maximum length of a received message, in bytes. A list of 10,000 ids is much shorter.
-pub(super) const REQUEST_LIMIT: usize = 1 << 20;
+pub(crate) const REQUEST_LIMIT: usize = 1 << 20;
 
 /// The maximum number of bytes that wait to be sent to one client.
 pub(super) const QUEUE_LIMIT: usize = 4 << 20;
@@ -29,12 +29,11 @@ pub(super) const CLIENT_LIMIT: usize = 256;
 /// forged, so the server must not send large amounts of data to it.
 pub(super) const DATAGRAM_BUDGET: usize = 4 << 20;
 
-/// The time since its last request after which a connection is idle. If the server is full, newcomers replace idle
-/// clients.
-pub(super) const IDLE_TIME: Duration = Duration::from_secs(10);
+/// The maximum number of steps of one socket before others have their turn.
+pub(super) const STEPS_AT_ONCE: usize = 16;
 
-/// The maximum time between HTTP requests.
-pub(super) const HTTP_IDLE_LIMIT: Duration = Duration::from_secs(60);
+/// The time since its last request after which a client is idle. If the server is full, newcomers replace idle clients.
+pub(super) const IDLE_TIME: Duration = Duration::from_secs(10);
 
 /// The maximum time from the first to the last byte of a message.
 pub(super) const MESSAGE_TIME: Duration = Duration::from_secs(30);
@@ -52,55 +51,72 @@ pub(super) fn connections() -> usize {
     files.map_or(CLIENT_LIMIT, |files| files.min(CLIENT_LIMIT))
 }
 
+/// The reason why the server disconnects a client, as sent to it. `None` if the client disconnected, or if the connection
+/// failed.
+pub(super) type Reason = Option<&'static str>;
+
+/// The client closed the connection, or the connection failed.
+pub(super) const DISCONNECTED: Reason = None;
+
+/// Too many messages wait to be sent, or they wait for too long.
+pub(super) const TOO_SLOW: Reason = Some("the client reads too slowly");
+
+/// The limit is [`MESSAGE_TIME`].
+pub(super) const UNFINISHED: Reason = Some("a message wasn't finished in time");
+
+/// This client uses more than its share of [`TOTAL_RECEIVED`].
+pub(super) const TOO_MUCH: Reason = Some("unfinished messages use too much memory");
+
+/// A newcomer replaces the client.
+pub(super) const REPLACED: Reason = Some("the server is full, and this client was idle");
+
 /// Memory that several clients share.
-#[derive(Debug)]
 pub(super) struct Budget {
     limit: usize,
     used: Cell<usize>,
-    users: Cell<usize>,
 }
 
 impl Budget {
     /// Creates a budget of this many bytes.
     pub(super) fn new(limit: usize) -> Rc<Self> {
-        Rc::new(Self { limit, used: Cell::new(0), users: Cell::new(0) })
+        Rc::new(Self { limit, used: Cell::new(0) })
     }
 }
 
 /// The memory of one client within a [`Budget`].
-#[derive(Debug)]
 pub(super) struct Share {
     budget: Rc<Budget>,
     used: Cell<usize>,
 }
 
-/// The error for memory that exceeds a budget.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Exceeded;
-
 impl Share {
     /// Creates an empty share.
     pub(super) fn new(budget: &Rc<Budget>) -> Self {
-        budget.users.set(budget.users.get() + 1);
         Self { budget: Rc::clone(budget), used: Cell::new(0) }
     }
 
-    /// Sets the memory of this client. Fails if the budget is exceeded, and this client uses more than an equal part of
-    /// it. Clients that use less never fail, so all clients together use at most twice the budget.
-    pub(super) fn set(&self, bytes: usize) -> Result<(), Exceeded> {
-        let Budget { limit, used, users } = &*self.budget;
-        let is_growing = bytes > self.used.get();
-        used.set(used.get() - self.used.replace(bytes) + bytes);
-        let is_exceeded = used.get() > *limit && bytes > limit / users.get().max(1);
-        if is_growing && is_exceeded { Err(Exceeded) } else { Ok(()) }
+    /// The memory of this client, in bytes.
+    pub(super) fn used(&self) -> usize {
+        self.used.get()
+    }
+
+    /// Sets the memory of this client.
+    pub(super) fn set(&self, bytes: usize) {
+        let others = self.budget.used.get() - self.used.replace(bytes);
+        self.budget.used.set(others + bytes);
+    }
+
+    /// True if the budget is exceeded, and this client uses more than an equal part of it. If no client does so, all
+    /// clients together use at most twice the budget.
+    pub(super) fn is_exceeded(&self) -> bool {
+        let Budget { limit, used } = &*self.budget;
+        used.get() > *limit && self.used() > limit / Rc::strong_count(&self.budget)
     }
 }
 
 impl Drop for Share {
     fn drop(&mut self) {
-        let Budget { used, users, .. } = &*self.budget;
-        used.set(used.get() - self.used.get());
-        users.set(users.get() - 1);
+        self.set(0);
     }
 }
 
@@ -111,13 +127,18 @@ mod tests {
     #[test]
     fn only_the_largest_shares_exceed_a_budget() {
         let budget = Budget::new(100);
-        let [large, small, third] = [0; 3].map(|_| Share::new(&budget));
-        assert_eq!((large.set(90), small.set(10)), (Ok(()), Ok(())));
-        assert_eq!(third.set(30), Ok(()), "less than a third of the budget");
-        assert_eq!(large.set(91), Err(Exceeded));
-        assert_eq!(large.set(80), Ok(()), "the share shrinks");
+        let [large, small, third] = [90, 10, 0].map(|bytes| {
+            let share = Share::new(&budget);
+            share.set(bytes);
+            share
+        });
+        assert!(!large.is_exceeded());
+        third.set(25);
+        assert!(!third.is_exceeded(), "an equal part of the budget");
+        assert!(large.is_exceeded());
         drop(large);
-        assert_eq!(small.set(60), Ok(()), "the memory of the dropped share is free again");
-        assert_eq!(budget.used.get(), 90);
+        small.set(60);
+        assert!(!small.is_exceeded(), "the memory of the dropped share is free again");
+        assert_eq!(budget.used.get(), 85);
     }
 }

@@ -1,18 +1,12 @@
-//! Seats: the places for clients, and the decision which client gives way to a newcomer.
+//! Seats: the limited places for clients, and the decision which client gives way to a newcomer.
 
-use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-/// The clients of one kind. Their number is limited.
-#[derive(Debug)]
-pub(super) struct Seats<K> {
-    total: usize,
-    idle_time: Duration,
-    taken: BTreeMap<K, Seat>,
-}
+use super::limits::IDLE_TIME;
 
+/// The place of a client.
 #[derive(Clone, Copy, Debug)]
-struct Seat {
+pub(super) struct Seat {
     /// True if the client has sent a valid request.
     has_requested: bool,
     last_active: Instant,
@@ -29,55 +23,36 @@ pub(super) enum Admission<K> {
     Refused,
 }
 
-impl<K: Ord + Clone> Seats<K> {
-    /// Creates seats for this many clients. After `idle_time` without a request, a client may have to give way.
-    pub(super) fn new(total: usize, idle_time: Duration) -> Self {
-        Self { total, idle_time, taken: BTreeMap::new() }
+impl Seat {
+    /// The seat of a client that has sent no request.
+    pub(super) fn new(now: Instant) -> Self {
+        Self { has_requested: false, last_active: now }
     }
 
-    /// Decides about a newcomer. If there is no free seat, clients that never sent a request give way first, and then
-    /// idle clients. Among them, the client that was inactive for the longest time gives way.
-    pub(super) fn admit(&self, now: Instant) -> Admission<K> {
-        if self.taken.len() < self.total {
-            return Admission::Free;
-        }
-        let idlest = self.taken.iter().min_by_key(|(_, seat)| (seat.has_requested, seat.last_active));
-        match idlest {
-            Some((key, seat)) if !seat.has_requested || seat.is_inactive(self.idle_time, now) => {
-                Admission::Evict(key.clone())
-            }
-            _ => Admission::Refused,
-        }
+    /// The seat of a client that has just sent a valid request.
+    pub(super) fn of_active(now: Instant) -> Self {
+        Self { has_requested: true, last_active: now }
     }
 
-    /// Adds a client.
-    pub(super) fn insert(&mut self, key: K, now: Instant) {
-        self.taken.insert(key, Seat { has_requested: false, last_active: now });
-    }
-
-    /// Records that a client is active.
-    pub(super) fn touch(&mut self, key: &K, has_requested: bool, now: Instant) {
-        if let Some(seat) = self.taken.get_mut(key) {
-            seat.has_requested |= has_requested;
-            seat.last_active = now;
-        }
-    }
-
-    /// Removes a client.
-    pub(super) fn remove(&mut self, key: &K) {
-        self.taken.remove(key);
-    }
-
-    /// The clients that have been inactive for this time.
-    pub(super) fn inactive(&self, time: Duration, now: Instant) -> Vec<K> {
-        let inactive = self.taken.iter().filter(|(_, seat)| seat.is_inactive(time, now));
-        inactive.map(|(key, _)| key.clone()).collect()
+    /// The time since the last request, or since the seat was taken.
+    pub(super) fn idle_time(self, now: Instant) -> Duration {
+        now.saturating_duration_since(self.last_active)
     }
 }
 
-impl Seat {
-    fn is_inactive(self, time: Duration, now: Instant) -> bool {
-        now.saturating_duration_since(self.last_active) >= time
+/// Decides about a newcomer. If there is no free seat, clients that never sent a request give way first, and then idle
+/// clients. Among them, the client that was inactive for the longest time gives way.
+pub(super) fn admit<K>(
+    taken: impl ExactSizeIterator<Item = (K, Seat)>,
+    total: usize,
+    now: Instant,
+) -> Admission<K> {
+    if taken.len() < total {
+        return Admission::Free;
+    }
+    match taken.min_by_key(|(_, seat)| (seat.has_requested, seat.last_active)) {
+        Some((key, seat)) if !seat.has_requested || seat.idle_time(now) >= IDLE_TIME => Admission::Evict(key),
+        _ => Admission::Refused,
     }
 }
 
@@ -87,48 +62,34 @@ mod tests {
 
     use super::*;
 
-    const IDLE_TIME: Duration = Duration::from_secs(10);
+    /// Decides about a newcomer while these seats are taken, and there is no other seat.
+    fn admit_to(seats: &[Seat], now: Instant) -> Admission<usize> {
+        admit(seats.iter().copied().enumerate(), seats.len(), now)
+    }
 
-    /// Three seats, taken by the clients 1, 2 and 3, one after another.
-    fn full(now: Instant) -> Seats<u32> {
-        let mut seats = Seats::new(3, IDLE_TIME);
-        for key in 1..=3 {
-            assert_eq!(seats.admit(now), Admission::Free);
-            seats.insert(key, now + Duration::from_millis(key.into()));
-        }
-        seats
+    /// Three seats, taken one after another.
+    fn full(now: Instant) -> [Seat; 3] {
+        [0, 1, 2].map(|number| Seat::new(now + Duration::from_millis(number)))
     }
 
     #[test]
     fn evicts_the_idlest_client_that_never_sent_a_request() {
         let now = Clock::simulated().now();
         let mut seats = full(now);
-        assert_eq!(seats.admit(now), Admission::Evict(1));
-        seats.touch(&1, true, now);
-        assert_eq!(seats.admit(now), Admission::Evict(2));
-        seats.touch(&2, false, now + Duration::from_secs(1));
-        assert_eq!(seats.admit(now), Admission::Evict(3));
-        seats.remove(&2);
-        assert_eq!(seats.admit(now), Admission::Free);
+        assert_eq!(admit_to(&seats, now), Admission::Evict(0));
+        seats[0] = Seat::of_active(now);
+        assert_eq!(admit_to(&seats, now), Admission::Evict(1));
+        assert_eq!(admit(seats.into_iter().enumerate(), 4, now), Admission::Free);
     }
 
     #[test]
     fn refuses_newcomers_while_all_clients_are_active() {
         let now = Clock::simulated().now();
         let mut seats = full(now);
-        for key in [2, 1, 3] {
-            seats.touch(&key, true, now + Duration::from_secs(key.into()));
+        for (at, seconds) in [(1, 2), (0, 1), (2, 3)] {
+            seats[at] = Seat::of_active(now + Duration::from_secs(seconds));
         }
-        assert_eq!(seats.admit(now + IDLE_TIME), Admission::Refused);
-        assert_eq!(seats.admit(now + IDLE_TIME + Duration::from_secs(1)), Admission::Evict(1));
-    }
-
-    #[test]
-    fn lists_inactive_clients() {
-        let now = Clock::simulated().now();
-        let mut seats = full(now);
-        let later = now + Duration::from_secs(5);
-        seats.touch(&2, false, later);
-        assert_eq!(seats.inactive(Duration::from_secs(4), later), [1, 3]);
+        assert_eq!(admit_to(&seats, now + IDLE_TIME), Admission::Refused);
+        assert_eq!(admit_to(&seats, now + IDLE_TIME + Duration::from_secs(1)), Admission::Evict(0));
     }
 }

@@ -10,9 +10,8 @@ use uavspec_rules::flockwave::{env_25, tcp_01, tcp_02, tcp_03, tcp_04};
 
 use super::Shared;
 use super::connection::{Protocol, Step};
-use super::limits::REQUEST_LIMIT;
+use super::limits::{REQUEST_LIMIT, Reason};
 use super::outbox::Outbox;
-use super::statistics::Reason;
 use crate::hub::{ConnectionKind, SessionId, Sink};
 
 /// Sends messages as lines.
@@ -25,7 +24,7 @@ struct LineSink {
 impl Sink for LineSink {
     fn send(&self, text: &str) {
         let spread = if self.is_spread { spread(text) } else { None };
-        self.outbox.push((spread.unwrap_or_else(|| text.to_owned()) + "\n").as_bytes());
+        self.outbox.push(spread.unwrap_or_else(|| text.to_owned()) + "\n");
     }
 
     fn close(&self) {
@@ -95,19 +94,11 @@ impl Protocol for LineClient {
         Step::Handled { is_request: shared.receive(self.session, &line) }
     }
 
-    fn has_rest(&self) -> bool {
-        self.lines.has_rest()
-    }
-
-    fn capacity(&self) -> usize {
+    fn unfinished(&self) -> usize {
         self.lines.capacity()
     }
 
-    fn dismiss(&mut self, shared: &mut Shared, reason: Reason) {
-        shared.hub.dismiss(self.session, reason.text());
-    }
-
-    fn end(&mut self, shared: &mut Shared) {
-        shared.hub.close(self.session);
+    fn end(&mut self, shared: &mut Shared, reason: Reason) {
+        shared.hub.end_session(self.session, reason);
     }
 }

@@ -2,7 +2,6 @@
 
 use std::cell::Cell;
 use std::collections::BTreeMap;
-use std::io;
 use std::net::SocketAddr;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
@@ -13,17 +12,12 @@ use serde_json::Value;
 use uavspec_rules::flockwave::{udp_01, udp_02, udp_03};
 
 use super::Shared;
-use super::limits::{CLIENT_LIMIT, DATAGRAM_BUDGET};
-use super::seats::{Admission, Seats};
-use super::statistics::Reason;
+use super::limits::{CLIENT_LIMIT, DATAGRAM_BUDGET, REPLACED, STEPS_AT_ONCE};
 use crate::hub::{ConnectionKind, SessionId, Sink};
 use crate::message::{enveloped, refusal, text};
 
 /// The maximum length of a message in a datagram.
 const DATAGRAM_LIMIT: usize = 65_507;
-
-/// The maximum number of datagrams to process before connections have their turn.
-const DATAGRAMS_AT_ONCE: usize = 64;
 
 /// The time after which a silent client counts as disconnected, as the specification recommends.
 const CLIENT_TIMEOUT: Duration = Duration::from_secs(60);
@@ -65,15 +59,11 @@ fn shortened(long: &str) -> Option<String> {
     Some(answer).filter(|text| text.len() <= DATAGRAM_LIMIT)
 }
 
-/// True if an error is not about the datagrams that wait to be received.
-fn is_about_earlier(error: &io::Error) -> bool {
-    use io::ErrorKind::{ConnectionRefused, ConnectionReset, Interrupted};
-    matches!(error.kind(), ConnectionRefused | ConnectionReset | Interrupted)
-}
-
 struct Client {
     session: SessionId,
     sink: Rc<DatagramSink>,
+    /// The time of the last datagram.
+    last_active: Instant,
 }
 
 /// A socket and its clients.
@@ -81,33 +71,23 @@ pub(super) struct Datagrams {
     /// `None` after the socket was closed because of the FW-UDP-03 bug.
     socket: Option<Rc<UdpSocket>>,
     clients: BTreeMap<SocketAddr, Client>,
-    seats: Seats<SocketAddr>,
     /// The first client; used only with the FW-UDP-02 bug.
     first: Option<SocketAddr>,
 }
 
 impl Datagrams {
     pub(super) fn new(socket: UdpSocket) -> Self {
-        Self {
-            socket: Some(Rc::new(socket)),
-            clients: BTreeMap::new(),
-            // Active clients give way as well, because a client over UDP can always return.
-            seats: Seats::new(CLIENT_LIMIT, Duration::ZERO),
-            first: None,
-        }
+        Self { socket: Some(Rc::new(socket)), clients: BTreeMap::new(), first: None }
     }
 
-    /// Processes some datagrams. Returns true if more may be waiting.
+    /// Processes some datagrams. Returns true if there were any.
     pub(super) fn receive(&mut self, shared: &mut Shared) -> bool {
         let mut buffer = vec![0; DATAGRAM_LIMIT + 1];
-        for _ in 0..DATAGRAMS_AT_ONCE {
-            let Some(socket) = &self.socket else { return false };
-            match socket.recv_from(&mut buffer) {
-                Ok((length, address)) => self.take(shared, address, &buffer[..length]),
-                // Some systems report here that an earlier datagram was not delivered.
-                Err(error) if is_about_earlier(&error) => {}
-                Err(_) => return false,
-            }
+        for number in 0..STEPS_AT_ONCE {
+            let received = self.socket.as_ref().and_then(|socket| socket.recv_from(&mut buffer).ok());
+            // Some systems report as an error that an earlier datagram was not delivered. More may follow in the next turn.
+            let Some((length, address)) = received else { return number > 0 };
+            self.take(shared, address, &buffer[..length]);
         }
         true
     }
@@ -119,10 +99,10 @@ impl Datagrams {
         }
         let now = shared.now();
         let first = *self.first.get_or_insert(address);
-        if let Some(client) = self.clients.get(&address) {
+        if let Some(client) = self.clients.get_mut(&address) {
             client.sink.budget.set(DATAGRAM_BUDGET);
+            client.last_active = now;
             shared.receive(client.session, datagram);
-            self.seats.touch(&address, true, now);
             return;
         }
         let Some(socket) = &self.socket else { return };
@@ -133,40 +113,37 @@ impl Datagrams {
             budget: Cell::new(DATAGRAM_BUDGET),
         });
         let session = shared.hub.open(ConnectionKind::Datagrams, Rc::<DatagramSink>::clone(&sink));
-        if !shared.receive(session, datagram) || !self.make_room(shared, now) {
+        if !shared.receive(session, datagram) {
             shared.hub.close(session);
             return;
         }
-        self.clients.insert(address, Client { session, sink });
-        self.seats.insert(address, now);
-        self.seats.touch(&address, true, now);
+        if self.clients.len() >= CLIENT_LIMIT {
+            self.replace_one(shared);
+        }
+        self.clients.insert(address, Client { session, sink, last_active: now });
     }
 
-    /// Removes the client that gives way to a newcomer. Returns true if there is room.
-    fn make_room(&mut self, shared: &mut Shared, now: Instant) -> bool {
-        match self.seats.admit(now) {
-            Admission::Free => true,
-            Admission::Evict(evicted) => {
-                self.remove(shared, evicted);
-                shared.statistics.count(Reason::Replaced);
-                true
-            }
-            Admission::Refused => false,
+    /// Removes the client that gives way to a newcomer. Active clients give way as well, because a client over UDP can
+    /// always return.
+    fn replace_one(&mut self, shared: &mut Shared) {
+        let oldest = self.clients.iter().min_by_key(|(_, client)| client.last_active);
+        if let Some((address, client)) = oldest.map(|(address, client)| (*address, client.session)) {
+            self.clients.remove(&address);
+            shared.hub.close(client);
+            shared.count(REPLACED);
         }
     }
 
     /// Removes clients that have been silent for too long.
     pub(super) fn close_expired(&mut self, shared: &mut Shared) {
-        for address in self.seats.inactive(CLIENT_TIMEOUT, shared.now()) {
-            self.remove(shared, address);
-        }
-    }
-
-    fn remove(&mut self, shared: &mut Shared, address: SocketAddr) {
-        self.seats.remove(&address);
-        if let Some(client) = self.clients.remove(&address) {
-            shared.hub.close(client.session);
-        }
+        let now = shared.now();
+        self.clients.retain(|_, client| {
+            let is_expired = now.saturating_duration_since(client.last_active) >= CLIENT_TIMEOUT;
+            if is_expired {
+                shared.hub.close(client.session);
+            }
+            !is_expired
+        });
     }
 
     /// Closes the socket, which the sinks of all clients share.

@@ -1,16 +1,31 @@
 //! HTTP: dispatches requests by path, and adds CORS headers for browsers.
 
 use std::rc::Rc;
-use std::time::Duration;
 
 use uavspec_flockwave::transport::http::{Incoming, Request, Requests, Response};
 use uavspec_flockwave::transport::{ONE_SHOT_PATH, SOCKET_IO_PATH};
 
 use super::connection::{Protocol, Step};
-use super::limits::{HTTP_IDLE_LIMIT, REQUEST_LIMIT};
+use super::limits::{REQUEST_LIMIT, Reason};
 use super::outbox::Outbox;
-use super::reply::{Pending, Reply};
 use super::{Shared, engine, one_shot};
+
+/// The reply to a request.
+pub(super) enum Reply {
+    /// The response.
+    Now(Response),
+    /// The response follows later.
+    Later(Box<dyn Pending>),
+}
+
+/// A request that waits for its response.
+pub(super) trait Pending {
+    /// The response, if it is available.
+    fn response(&mut self, shared: &mut Shared) -> Option<Response>;
+
+    /// Ends the request after its response, or because its client has disconnected.
+    fn end(&mut self, shared: &mut Shared);
+}
 
 /// An HTTP client. One-shot requests and Socket.IO share a port, as clients expect.
 pub(super) struct WebClient {
@@ -33,11 +48,12 @@ impl WebClient {
                     self.pending = Some((request, pending));
                     return Step::Waiting;
                 };
+                pending.end(shared);
                 response
             }
         };
         let is_request = response.is_success();
-        outbox.push(&with_cors_headers(&request, response).to_bytes(Some(&request)));
+        outbox.push(with_cors_headers(&request, response).to_bytes(Some(&request)));
         if request.is_last { Step::End } else { Step::Handled { is_request } }
     }
 
@@ -46,8 +62,13 @@ impl WebClient {
         match request.method.as_str() {
             // A CORS preflight request.
             "OPTIONS" => Reply::Now(Response::new("200 OK", "text/plain", "")),
-            _ if is_at(request, SOCKET_IO_PATH) => engine::by_polling(shared, request),
-            "POST" if is_at(request, ONE_SHOT_PATH) => one_shot::answer(shared, request),
+            _ if is_at(request, SOCKET_IO_PATH) => {
+                engine::by_polling(shared, request).unwrap_or_else(Reply::Now)
+            }
+            "POST" if is_at(request, ONE_SHOT_PATH) => match one_shot::exchange(shared, request) {
+                Ok(exchange) => Reply::Later(Box::new(exchange)),
+                Err(refusal) => Reply::Now(refusal),
+            },
             _ if is_at(request, ONE_SHOT_PATH) => {
                 let refusal = Response::refusal("405 Method Not Allowed", "send messages with POST");
                 Reply::Now(refusal.with("Allow", "POST"))
@@ -65,7 +86,7 @@ impl WebClient {
         match engine::over_web_socket(shared, outbox, request, &requests.into_rest()) {
             Ok(client) => Step::Upgrade(Box::new(client)),
             Err(response) => {
-                outbox.push(&response.to_bytes(None));
+                outbox.push(response.to_bytes(None));
                 Step::End
             }
         }
@@ -84,11 +105,11 @@ impl Protocol for WebClient {
         match self.requests.take() {
             None => Step::Starved,
             Some(Incoming::Expectation) => {
-                outbox.push(b"HTTP/1.1 100 Continue\r\n\r\n");
+                outbox.push("HTTP/1.1 100 Continue\r\n\r\n");
                 Step::Handled { is_request: false }
             }
             Some(Incoming::Refused(response)) => {
-                outbox.push(&response.to_bytes(None));
+                outbox.push(response.to_bytes(None));
                 Step::End
             }
             Some(Incoming::Request(mut request)) => {
@@ -102,23 +123,11 @@ impl Protocol for WebClient {
         }
     }
 
-    fn is_due(&self) -> bool {
-        self.pending.as_ref().is_none_or(|(_, pending)| pending.is_due())
-    }
-
-    fn has_rest(&self) -> bool {
-        self.pending.is_none() && self.requests.has_rest()
-    }
-
-    fn capacity(&self) -> usize {
+    fn unfinished(&self) -> usize {
         self.requests.capacity()
     }
 
-    fn idle_limit(&self) -> Option<Duration> {
-        self.pending.is_none().then_some(HTTP_IDLE_LIMIT)
-    }
-
-    fn end(&mut self, shared: &mut Shared) {
+    fn end(&mut self, shared: &mut Shared, _: Reason) {
         if let Some((_, mut pending)) = self.pending.take() {
             pending.end(shared);
         }

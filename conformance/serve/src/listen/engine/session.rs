@@ -13,9 +13,9 @@ use uavspec_rules::flockwave::{sio_01, sio_03};
 
 use crate::hub::{ConnectionKind, SessionId, Sink};
 use crate::listen::Shared;
-use crate::listen::limits::REQUEST_LIMIT;
-use crate::listen::outbox::{Outbox, Taken, TextQueue};
-use crate::listen::statistics::Reason;
+use crate::listen::limits::{DISCONNECTED, REQUEST_LIMIT, Reason};
+use crate::listen::outbox::Outbox;
+use crate::listen::seats::Seat;
 
 /// The ping interval, as in the Socket.IO libraries.
 const PING_INTERVAL: Duration = Duration::from_secs(25);
@@ -27,13 +27,17 @@ const PING_TIMEOUT: Duration = Duration::from_secs(20);
 const FIRST_USE_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// A session.
-pub(super) struct Session {
-    revision: Revision,
-    sid: String,
-    carrier: Rc<Carrier>,
+pub(in crate::listen) struct Session {
+    pub(super) revision: Revision,
+    pub(super) sid: String,
+    pub(super) seat: Cell<Seat>,
+    /// The packets for polls.
+    pub(super) queue: Outbox,
+    /// Sends packets instead of the queue after an upgrade.
+    web_socket: RefCell<Option<Rc<Outbox>>>,
     is_polled: Cell<bool>,
-    /// True if another request followed the first one.
-    is_used: Cell<bool>,
+    /// True if another request followed the first one, or if the session was opened over a WebSocket.
+    pub(super) is_used: Cell<bool>,
     /// The session in the hub, after the client has joined the namespace.
     joined: Cell<Option<SessionId>>,
     /// True after the FW-SIO-03 bug has occurred. The session then ignores further messages.
@@ -42,60 +46,21 @@ pub(super) struct Session {
     last_ping: Cell<Instant>,
 }
 
-/// The packets for the client: queued for polls, or sent over a WebSocket.
-struct Carrier {
-    queue: TextQueue,
-    web_socket: RefCell<Option<Rc<Outbox>>>,
-}
-
-impl Carrier {
-    fn push(&self, kind: Kind, data: impl Into<String>) {
-        let text = Packet::new(kind, data).to_text();
-        match &*self.web_socket.borrow() {
-            Some(outbox) => outbox.push_text(&text),
-            None => self.queue.push(text),
-        }
-    }
-
-    /// Sends all further packets over a WebSocket.
-    fn upgrade(&self, outbox: &Rc<Outbox>) {
-        while let Taken::Texts(texts) = self.queue.take(usize::MAX) {
-            for text in texts {
-                outbox.push_text(&text);
-            }
-        }
-        let is_closed = self.queue.is_closed();
-        self.web_socket.replace(Some(Rc::clone(outbox)));
-        if is_closed {
-            self.close();
-        }
-    }
-
-    /// Ends the session after the packets have been sent.
-    fn close(&self) {
-        self.queue.close();
-        if let Some(outbox) = &*self.web_socket.borrow() {
-            outbox.push_frame(Frame::close(None));
-            outbox.close();
-        }
-    }
-}
-
 /// Sends messages as packets.
 struct PacketSink {
-    carrier: Rc<Carrier>,
+    session: Rc<Session>,
     event: &'static str,
 }
 
 impl Sink for PacketSink {
     fn send(&self, text: &str) {
-        self.carrier.push(Kind::Message, socketio::message_as(self.event, text));
+        self.session.push(Kind::Message, socketio::message_as(self.event, text));
     }
 
     fn close(&self) {
-        self.carrier.push(Kind::Message, "1");
-        self.carrier.push(Kind::Close, "");
-        self.carrier.close();
+        self.session.push(Kind::Message, "1");
+        self.session.push(Kind::Close, "");
+        self.session.close();
     }
 }
 
@@ -105,20 +70,19 @@ impl Session {
         // `RandomState` has random keys.
         let sid = format!("{:016x}{:016x}", RandomState::new().hash_one(0), RandomState::new().hash_one(1));
         let now = shared.now();
-        let session = Self {
+        let session = Rc::new(Self {
             revision,
             sid: sid.clone(),
-            carrier: Rc::new(Carrier {
-                queue: TextQueue::new(&shared.queued),
-                web_socket: RefCell::default(),
-            }),
+            seat: Cell::new(Seat::new(now)),
+            queue: shared.outbox(None),
+            web_socket: RefCell::default(),
             is_polled: Cell::new(false),
             is_used: Cell::new(false),
             joined: Cell::new(None),
             has_stopped_reading: Cell::new(false),
             last_received: Cell::new(now),
             last_ping: Cell::new(now),
-        };
+        });
         let opening = json!({
             "sid": sid,
             "upgrades": ["websocket"],
@@ -126,47 +90,39 @@ impl Session {
             "pingTimeout": PING_TIMEOUT.as_millis(),
             "maxPayload": REQUEST_LIMIT,
         });
-        session.carrier.push(Kind::Open, opening.to_string());
+        session.push(Kind::Open, opening.to_string());
         if revision == Revision::Three {
             // In this revision, clients join the default namespace automatically.
-            session.carrier.push(Kind::Message, "0");
+            session.push(Kind::Message, "0");
             session.join(shared);
         }
-        Rc::new(session)
+        session
     }
 
-    pub(super) fn sid(&self) -> &String {
-        &self.sid
-    }
-
-    pub(super) fn revision(&self) -> Revision {
-        self.revision
-    }
-
-    /// The packets for polls.
-    pub(super) fn queue(&self) -> &TextQueue {
-        &self.carrier.queue
+    /// Sends a packet.
+    pub(super) fn push(&self, kind: Kind, data: impl Into<String>) {
+        let text = Packet::new(kind, data).to_text();
+        match &*self.web_socket.borrow() {
+            Some(outbox) => outbox.push_text(text),
+            None => self.queue.push(text),
+        }
     }
 
     /// True if packets are sent over a WebSocket.
     pub(super) fn is_upgraded(&self) -> bool {
-        self.carrier.web_socket.borrow().is_some()
+        self.web_socket.borrow().is_some()
     }
 
-    /// Notes that the client uses the session.
-    pub(super) fn mark_used(&self) {
-        self.is_used.set(true);
-    }
-
-    /// True if the client has done more than opening the session.
-    pub(super) fn is_used(&self) -> bool {
-        self.is_used.get()
-    }
-
-    /// Switches to a WebSocket.
+    /// Sends all further packets over a WebSocket.
     pub(super) fn upgrade(&self, outbox: &Rc<Outbox>) {
-        self.mark_used();
-        self.carrier.upgrade(outbox);
+        self.is_used.set(true);
+        while let Some(text) = self.queue.take() {
+            outbox.push_text(text);
+        }
+        self.web_socket.replace(Some(Rc::clone(outbox)));
+        if self.queue.is_closed() {
+            self.close();
+        }
     }
 
     /// Registers a poll. Returns false if another poll is pending.
@@ -182,73 +138,56 @@ impl Session {
         self.last_received.set(now);
     }
 
-    /// Ends the pending poll, so that the client can switch to a WebSocket.
-    pub(super) fn release_poll(&self) {
-        self.carrier.push(Kind::Noop, "");
-    }
-
     /// True if the client has used the session and responded to pings in time, and reads fast enough.
     pub(super) fn is_alive(&self, now: Instant) -> bool {
-        let limit = if self.is_used() { PING_INTERVAL + PING_TIMEOUT } else { FIRST_USE_TIMEOUT };
-        !self.queue().has_overflowed() && now < self.last_received.get() + limit
+        let limit = if self.is_used.get() { PING_INTERVAL + PING_TIMEOUT } else { FIRST_USE_TIMEOUT };
+        !self.queue.has_failed() && now < self.last_received.get() + limit
     }
 
     /// Sends a ping if it is due.
     pub(super) fn ping_if_due(&self, now: Instant) {
         if self.revision == Revision::Four && now >= self.last_ping.get() + PING_INTERVAL {
             self.last_ping.set(now);
-            self.carrier.push(Kind::Ping, "");
+            self.push(Kind::Ping, "");
         }
     }
 
     /// Ends the session after the waiting packets have been sent.
     pub(super) fn close(&self) {
-        self.carrier.close();
+        self.queue.close();
+        if let Some(outbox) = &*self.web_socket.borrow() {
+            outbox.push_frame(Frame::close(None));
+            outbox.close();
+        }
     }
 
     /// Processes a packet from the client. Returns true if it is a valid request.
-    pub(super) fn take(&self, shared: &mut Shared, packet: Packet) -> bool {
+    pub(super) fn take(self: &Rc<Self>, shared: &mut Shared, packet: Packet) -> bool {
         // A request may contain further packets. A session that has ended must not join a namespace again.
-        if self.queue().is_closed() {
+        if self.queue.is_closed() {
             return false;
         }
-        let now = shared.now();
-        self.last_received.set(now);
-        let is_request = match packet.kind {
-            Kind::Message => self.take_message(shared, &packet.data),
-            Kind::Ping => {
-                self.carrier.push(Kind::Pong, packet.data);
-                false
-            }
-            Kind::Close => {
-                self.end(shared);
-                false
-            }
-            Kind::Open | Kind::Pong | Kind::Upgrade | Kind::Noop => false,
-        };
-        shared.sessions.seats.touch(&self.sid, is_request, now);
-        is_request
+        self.last_received.set(shared.now());
+        match packet.kind {
+            Kind::Message => return self.take_message(shared, &packet.data),
+            Kind::Ping => self.push(Kind::Pong, packet.data),
+            Kind::Close => self.end(shared, DISCONNECTED),
+            Kind::Open | Kind::Pong | Kind::Upgrade | Kind::Noop => {}
+        }
+        false
     }
 
-    /// Ends the session.
-    pub(super) fn end(&self, shared: &mut Shared) {
+    /// Tells the client the reason, if there is one, and ends the session.
+    pub(super) fn end(&self, shared: &mut Shared, reason: Reason) {
         if let Some(joined) = self.joined.take() {
-            shared.hub.close(joined);
+            shared.hub.end_session(joined, reason);
         }
         shared.sessions.remove(&self.sid);
-        self.carrier.push(Kind::Close, "");
-        self.carrier.close();
+        self.push(Kind::Close, "");
+        self.close();
     }
 
-    /// Tells the client the reason, and ends the session.
-    pub(super) fn dismiss(&self, shared: &mut Shared, reason: Reason) {
-        if let Some(joined) = self.joined.get() {
-            shared.hub.dismiss(joined, reason.text());
-        }
-        self.end(shared);
-    }
-
-    fn take_message(&self, shared: &mut Shared, text: &str) -> bool {
+    fn take_message(self: &Rc<Self>, shared: &mut Shared, text: &str) -> bool {
         let packet = socketio::Packet::parse(text);
         if shared.has_bug(&sio_03::RULE)
             && matches!(packet, None | Some(socketio::Packet::Other | socketio::Packet::OtherEvent { .. }))
@@ -259,13 +198,17 @@ impl Session {
             Some(socketio::Packet::Connect { namespace }) => self.connect(shared, &namespace),
             Some(socketio::Packet::Message { text, receipt }) => {
                 if let Some(number) = receipt {
-                    self.carrier.push(Kind::Message, socketio::receipt(number));
+                    self.push(Kind::Message, socketio::receipt(number));
                 }
                 if let Some(joined) = self.joined.get().filter(|_| !self.has_stopped_reading.get()) {
-                    return shared.receive(joined, text.as_bytes());
+                    let is_request = shared.receive(joined, text.as_bytes());
+                    if is_request {
+                        self.seat.set(Seat::of_active(shared.now()));
+                    }
+                    return is_request;
                 }
             }
-            Some(socketio::Packet::Disconnect) => self.end(shared),
+            Some(socketio::Packet::Disconnect) => self.end(shared, DISCONNECTED),
             Some(
                 socketio::Packet::Refusal(_) | socketio::Packet::Other | socketio::Packet::OtherEvent { .. },
             )
@@ -275,7 +218,7 @@ impl Session {
     }
 
     /// Answers the request to join a namespace. Only the default namespace exists.
-    fn connect(&self, shared: &mut Shared, namespace: &str) {
+    fn connect(self: &Rc<Self>, shared: &mut Shared, namespace: &str) {
         let is_known = namespace == "/";
         let answer = match self.revision {
             Revision::Three if is_known => "0".to_owned(),
@@ -286,17 +229,17 @@ impl Session {
             Revision::Three => format!("4{namespace},{}", json!("Invalid namespace")),
             Revision::Four => format!("4{namespace},{}", json!({ "message": "Invalid namespace" })),
         };
-        self.carrier.push(Kind::Message, answer);
+        self.push(Kind::Message, answer);
         if is_known {
             self.join(shared);
         }
     }
 
     /// Opens a session in the hub, if there is none.
-    fn join(&self, shared: &mut Shared) {
+    fn join(self: &Rc<Self>, shared: &mut Shared) {
         if self.joined.get().is_none() {
             let event = if shared.has_bug(&sio_01::RULE) { "flockwave" } else { socketio::EVENT };
-            let sink = PacketSink { carrier: Rc::clone(&self.carrier), event };
+            let sink = PacketSink { session: Rc::clone(self), event };
             self.joined.set(Some(shared.hub.open(ConnectionKind::Persistent, Rc::new(sink))));
         }
     }
