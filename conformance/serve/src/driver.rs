@@ -1,10 +1,10 @@
 //! Drives the server without sockets and without real time, for fuzz targets.
 
-use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Duration;
 
-use super::hub::{ConnectionKind, Hub, Sink};
+use super::hub::{ConnectionKind, Hub};
+use super::memory::Queue;
 use super::{Options, family};
 
 /// The start of the server, in milliseconds since 1970.
@@ -31,18 +31,6 @@ pub struct Record {
     pub bytes: Vec<u8>,
 }
 
-/// Messages from the server that were not taken yet.
-#[derive(Default)]
-struct Queue(RefCell<Vec<String>>);
-
-impl Sink for Queue {
-    fn send(&self, text: &str) {
-        self.0.borrow_mut().push(text.to_owned());
-    }
-
-    fn close(&self) {}
-}
-
 /// Sends messages to a new server. Returns all messages of both sides in order.
 pub fn transcript<'m>(messages: impl Iterator<Item = &'m [u8]>, is_datagram: bool) -> Vec<Record> {
     let mut hub = Hub::new(Options { uavs: 2, start: START, ..Options::default() }, family::answer);
@@ -52,7 +40,7 @@ pub fn transcript<'m>(messages: impl Iterator<Item = &'m [u8]>, is_datagram: boo
     let (mut elapsed, mut records) = (Duration::ZERO, Vec::new());
     let take = |elapsed: Duration, records: &mut Vec<Record>| {
         let time = Duration::from_millis(START) + elapsed;
-        records.extend(queue.0.take().into_iter().map(|text| Record {
+        records.extend(queue.texts.take().into_iter().map(|text| Record {
             time: time.as_secs_f64(),
             side: Side::Server,
             bytes: text.into_bytes(),

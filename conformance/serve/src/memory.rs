@@ -13,19 +13,14 @@ use uavspec_flockwave::transport::lines::{Line, Lines};
 use uavspec_model::clock::Clock;
 
 use super::hub::{ConnectionKind, Hub, SessionId, Sink};
+use super::listen::{REQUEST_LIMIT, TICK};
 use super::{Options, family};
-
-/// The interval between simulation steps, as over sockets.
-const TICK: Duration = Duration::from_millis(20);
 
 /// The time that a message takes from the client to the server.
 const DELAY: Duration = Duration::from_millis(1);
 
 /// The port that the server states.
 const PORT: u16 = 5001;
-
-/// The maximum length of a request, in bytes.
-const REQUEST_LIMIT: usize = 1 << 20;
 
 /// A server that clients call directly, as if over TCP or UDP at port 5001. Clones are the same server.
 #[derive(Clone)]
@@ -96,8 +91,8 @@ impl Network for InMemory {
 
 /// Messages from the server that were not taken yet.
 #[derive(Default)]
-struct Queue {
-    texts: RefCell<VecDeque<String>>,
+pub(super) struct Queue {
+    pub(super) texts: RefCell<VecDeque<String>>,
     is_closed: Cell<bool>,
 }
 
