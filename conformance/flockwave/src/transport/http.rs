@@ -153,11 +153,6 @@ impl Requests {
         (self.buffer.len() > HEAD_LIMIT).then(|| Incoming::Refused(refusal()))
     }
 
-    /// True if there is an incomplete request.
-    pub fn has_rest(&self) -> bool {
-        !self.buffer.is_empty()
-    }
-
     /// The memory of the buffer, in bytes.
     pub fn capacity(&self) -> usize {
         self.buffer.capacity()

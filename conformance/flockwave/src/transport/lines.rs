@@ -66,14 +66,9 @@ impl Lines {
         std::iter::from_fn(|| self.take()).collect()
     }
 
-    /// The memory of the buffer, in bytes.
+    /// The memory of an incomplete line, in bytes.
     pub fn capacity(&self) -> usize {
         self.buffer.capacity()
-    }
-
-    /// True if there is an incomplete line.
-    pub fn has_rest(&self) -> bool {
-        self.is_skipping || self.start < self.buffer.len()
     }
 
     /// Drops an incomplete line.
@@ -122,7 +117,7 @@ mod tests {
         let mut lines = Lines::new(6);
         lines.feed(b"one\ntwo");
         assert_eq!(lines.taken(), [whole("one")]);
-        assert_eq!((lines.take_rest(), lines.has_rest()), (b"two".to_vec(), false));
+        assert_eq!((lines.take_rest(), lines.capacity()), (b"two".to_vec(), 0));
         lines.feed(b"too long");
         assert_eq!((lines.taken(), lines.take_rest()), (vec![Line::TooLong], vec![]));
     }
@@ -132,10 +127,10 @@ mod tests {
         let mut lines = Lines::new(MESSAGE_LIMIT);
         lines.feed(b"one\r\n\ntw");
         assert_eq!(lines.taken(), [whole("one"), whole("")]);
-        assert!(lines.has_rest());
+        assert!(lines.capacity() > 0);
         lines.feed(b"o\n");
         assert_eq!(lines.taken(), [whole("two")]);
-        assert!(!lines.has_rest());
+        assert_eq!(lines.capacity(), 0);
     }
 
     #[test]
