@@ -120,19 +120,3 @@ pub(super) fn grammar(data: &[u8]) {
         super::captures::bag_metadata(&changed);
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use proptest::prelude::*;
-
-    use super::grammar;
-
-    proptest! {
-        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
-
-        #[test]
-        fn metadata_is_read_in_all_styles_of_yaml(data in prop::collection::vec(any::<u8>(), 0..120)) {
-            grammar(&data);
-        }
-    }
-}

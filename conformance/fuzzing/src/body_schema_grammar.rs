@@ -165,19 +165,3 @@ pub(super) fn grammar(data: &[u8]) {
         assert_eq!(found.map(|found| found.is_empty()), Some(whole.is_valid(&value)), "{body}: {text}");
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use proptest::prelude::*;
-
-    use super::grammar;
-
-    proptest! {
-        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
-
-        #[test]
-        fn random_schemas_accept_the_same_bodies_as_their_files(data in prop::collection::vec(any::<u8>(), 0..120)) {
-            grammar(&data);
-        }
-    }
-}

@@ -6,9 +6,8 @@ use std::time::Duration;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use ruzstd::encoding::{CompressionLevel, compress_to_vec};
-use uavspec_capture::rosbag::SQLITE_MAGIC;
+use uavspec_capture::input;
 use uavspec_capture::rosbag::metadata::Metadata;
-use uavspec_capture::{MCAP_MAGIC, ULOG_MAGIC, input};
 use uavspec_check::timeline::{Texts, Timeline};
 use uavspec_check::{CaptureResult, check_bytes, check_capture};
 use uavspec_model::Location;
@@ -26,29 +25,15 @@ const MAX_DECOMPRESSED: u64 = 1 << 16;
 /// The number of messages in a seed.
 const SEED_MESSAGES: usize = 3;
 
-/// Checks a PX4 log.
-pub(super) fn ulog(data: &[u8]) {
-    if data.starts_with(&ULOG_MAGIC) {
-        capture(data);
-    }
-}
-
-/// Checks an MCAP file.
-pub(super) fn mcap(data: &[u8]) {
-    if data.starts_with(&MCAP_MAGIC) {
-        capture(data);
-    }
-}
-
-/// Checks a bag in `SQLite` format.
-pub(super) fn sqlite_bag(data: &[u8]) {
-    if data.starts_with(&SQLITE_MAGIC) {
+/// Checks a capture that starts with these bytes.
+pub(super) fn starting_with(magic: &[u8], data: &[u8]) {
+    if data.starts_with(magic) {
         capture(data);
     }
 }
 
 pub(super) fn sqlite_bag_seeds() -> Vec<Vec<u8>> {
-    let bags = mcap_seeds();
+    let bags = flights(Encoding::Mcap);
     bags.iter().map(|bag| uavspec_test_captures::rosbag::Content::of_mcap(bag).to_bytes()).collect()
 }
 
@@ -78,13 +63,6 @@ pub(super) fn bag_metadata_seeds() -> Vec<Vec<u8>> {
 /// Checks JSON messages.
 pub(super) fn json(data: &[u8]) {
     if matches!(data.trim_ascii_start(), [b'{' | b'[' | 0xef, ..]) {
-        capture(data);
-    }
-}
-
-/// Checks a recorded Flockwave session.
-pub(super) fn session(data: &[u8]) {
-    if data.starts_with(b"{") {
         capture(data);
     }
 }
@@ -153,28 +131,14 @@ pub(super) fn compressed(data: &[u8]) {
         Some((is_unchanged, is_whole, if is_whole { bytes } else { Vec::new() }))
     };
     let whole = read(Box::new(Cursor::new(data.to_vec())));
-    assert_eq!(read(Box::new(Owned { bytes: data.to_vec(), at: 0 })), whole);
+    assert_eq!(read(Box::new(Pieces::new(data))), whole);
     if let Some((true, _, bytes)) = whole {
         assert!(data.starts_with(&bytes), "other data stays unchanged");
     }
 }
 
-/// A reader that returns one byte at a time.
-struct Owned {
-    bytes: Vec<u8>,
-    at: usize,
-}
-
-impl std::io::Read for Owned {
-    fn read(&mut self, out: &mut [u8]) -> std::io::Result<usize> {
-        let length = Pieces::new(&self.bytes[self.at..]).read(out)?;
-        self.at += length;
-        Ok(length)
-    }
-}
-
 /// Short flights in an encoding: one for each topic.
-fn flights(encoding: Encoding) -> Vec<Vec<u8>> {
+pub(super) fn flights(encoding: Encoding) -> Vec<Vec<u8>> {
     let flight = Flight::new(&DEFINITIONS);
     let short = |topic: usize| {
         let mut short = flight.clone();
@@ -185,14 +149,6 @@ fn flights(encoding: Encoding) -> Vec<Vec<u8>> {
         encoding.write(&short)
     };
     (0..flight.topics.len()).filter_map(short).collect()
-}
-
-pub(super) fn ulog_seeds() -> Vec<Vec<u8>> {
-    flights(Encoding::Ulog)
-}
-
-pub(super) fn mcap_seeds() -> Vec<Vec<u8>> {
-    flights(Encoding::Mcap)
 }
 
 pub(super) fn json_seeds() -> Vec<Vec<u8>> {

@@ -1,9 +1,7 @@
 //! The fuzz targets for the generator: configurations, catalogues, hints, and the edits of documents in an editor.
 
-#![allow(clippy::missing_panics_doc, reason = "a panic is a finding")]
-
 mod configuration;
-mod grammar;
+pub(super) mod grammar;
 mod hints;
 mod replay;
 
@@ -11,6 +9,7 @@ use std::path::Path;
 
 use lsp_types::Position;
 use uavspec_codegen::load::Config;
+use uavspec_definitions::PX4_HINTS;
 use uavspec_dynamic::Types;
 use uavspec_dynamic::conversion::{Conversions, Converter, Request, answer};
 use uavspec_schema::msg::Dialect;
@@ -21,7 +20,7 @@ use uavspec_schema::{Form, PackageInput, Schema, read};
 use self::replay::{Edit, replay};
 
 /// Reads a text that follows the grammar of `uavspec.toml`, like [`configuration`]. A valid file has a plan with all packages.
-pub fn configuration_grammar(data: &[u8]) {
+pub(super) fn configuration_grammar(data: &[u8]) {
     let text = configuration::text(data);
     configuration(text.as_bytes());
     let planned = Config::parse(Path::new("uavspec.toml"), text.clone()).and_then(Config::plan);
@@ -30,7 +29,7 @@ pub fn configuration_grammar(data: &[u8]) {
 }
 
 /// Reads `uavspec.toml`. An error must name a line of the file.
-pub fn configuration(data: &[u8]) {
+pub(super) fn configuration(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else { return };
     let path = Path::new("uavspec.toml");
     let Err(failure) = Config::parse(path, text.to_owned()).and_then(Config::plan) else { return };
@@ -41,7 +40,7 @@ pub fn configuration(data: &[u8]) {
 }
 
 /// Reads a translation catalogue. A catalogue without problems must stay the same if it is printed and read again.
-pub fn translations(data: &[u8]) {
+pub(super) fn translations(data: &[u8]) {
     let Some((read, is_correct)) = read_catalogue(data.to_vec()) else { return };
     if !is_correct {
         return;
@@ -78,7 +77,7 @@ const CONVERTED: [(&str, &str); 4] = [
 ];
 
 /// Reads hints, and converts a message with them. The generated code must be valid Rust.
-pub fn hints(data: &[u8]) {
+pub(super) fn hints(data: &[u8]) {
     let mut sources = SourceMap::default();
     let mut packages: Vec<PackageInput> = Vec::new();
     for (at, (package, text)) in CONVERTED.into_iter().enumerate() {
@@ -97,18 +96,16 @@ pub fn hints(data: &[u8]) {
             check_span(&sources, mistake.span);
         }
         convert(&schema, &answer.conversions);
-        {
-            let options = uavspec_emit::rust::Options::default();
-            let files =
-                uavspec_emit::rust::emit_with_conversions(&schema, &sources, &answer.conversions, &options);
-            let invalid = files.iter().find(|file| file.text.contains("compile_error!"));
-            assert!(invalid.is_none(), "{invalid:?}");
-        }
+        let options = uavspec_emit::rust::Options::default();
+        let files =
+            uavspec_emit::rust::emit_with_conversions(&schema, &sources, &answer.conversions, &options);
+        let invalid = files.iter().find(|file| file.text.contains("compile_error!"));
+        assert!(invalid.is_none(), "{invalid:?}");
     }
 }
 
 /// Reads hints that follow the grammar, like [`hints`].
-pub fn hints_grammar(data: &[u8]) {
+pub(super) fn hints_grammar(data: &[u8]) {
     hints(hints::text(data).as_bytes());
 }
 
@@ -169,7 +166,7 @@ const EDITED: [(&str, &str); 4] = [
 
 /// Replays edits of documents in the language server. Four bytes are an edit: the document and the text, the line, the
 /// column, and the length of the replaced text.
-pub fn edits(data: &[u8]) {
+pub(super) fn edits(data: &[u8]) {
     let position = |line: u8, character: u8| Position { line: line.into(), character: character.into() };
     let edit = |bytes: &[u8]| Edit {
         document: usize::from(bytes[0] >> 6),
@@ -189,56 +186,35 @@ fn check_span(sources: &SourceMap, span: Span) {
     assert!(sources.contains(span), "{span:?}");
 }
 
-#[cfg(test)]
-mod tests {
-    use proptest::prelude::*;
-    use uavspec_test_support::extent;
+/// Edits of documents. Four bytes are an edit.
+pub(super) fn edit_seeds() -> Vec<Vec<u8>> {
+    let steps = (0..4_u8)
+        .flat_map(|document| (0..24_u8).map(move |text| [document << 6 | text, text % 6, text, text % 64]));
+    steps.collect::<Vec<_>>().chunks(16).map(<[[u8; 4]]>::concat).collect()
+}
 
-    use super::{configuration, hints, translations};
+/// Files of `uavspec.toml`.
+pub(super) fn configuration_seeds() -> Vec<Vec<u8>> {
+    let own = include_bytes!("../../../definitions/uavspec.toml").to_vec();
+    let lint = b"[[package]]\nname = \"demo\"\ndialect = \"ros2\"\ninclude = [\"*.msg\"]\nselect = [\"A\"]\n\n[lint]\n\
+                 preset = \"strict\"\n\n[lint.levels]\nunit-missing = \"off\"\n\n[[lint.ignore]]\nrule = \"name-style\"\n\
+                 path = \"a/*\"\nreason = \"old\"\n\n[output.rust]\npath = \"out\"\n";
+    vec![own, lint.to_vec()]
+}
 
-    /// The configuration with this number of cases, or with a part of them in a quick run.
-    fn config(cases: u32, part: u32) -> ProptestConfig {
-        let cases = extent(cases, cases / part);
-        ProptestConfig { failure_persistence: None, cases, ..ProptestConfig::default() }
-    }
+/// Hints for conversions.
+pub(super) fn hint_seeds() -> Vec<Vec<u8>> {
+    let constants = "[[hint]]\nmessage = \"Glider\"\nversions = [0, 1]\nnew.mode = { MODE_B = \"MODE_C\" }\n\
+                     old.mode = \"if mode == 2 then MODE_B else old.MODE_A\"\nrename = { sink = \"sink\" }\n";
+    let policies = "[[hint]]\nold_message = \"Tow\"\nnew_message = \"Tow\"\ntopic = \"tow\"\n\n[[hint]]\nmessage = \"Glider\"\n\
+                    narrow = { sink = \"nearest\", count = \"neutral\" }\nsame = [\"MODE_A\"]\n\
+                    new.mask = \"count & ~0xff | 1 + 2 * 3\"\nnew.is_on = \"not is_on or sink / 2 >= nan and true\"\n";
+    vec![constants.into(), policies.into(), PX4_HINTS.into()]
+}
 
-    proptest! {
-        #![proptest_config(config(ProptestConfig::default().cases, 6))]
-
-        #[test]
-        fn random_configurations_have_located_errors(data in prop::collection::vec(any::<u8>(), 0..40)) {
-            super::configuration_grammar(&data);
-        }
-
-        #[test]
-        fn random_hints_cause_no_panic_and_no_invalid_code(data in prop::collection::vec(any::<u8>(), 0..60)) {
-            super::hints_grammar(&data);
-        }
-    }
-
-    proptest! {
-        // Each edit is followed by all requests.
-        #![proptest_config(config(24, 2))]
-
-        #[test]
-        fn random_edits_cause_no_panic(data in prop::collection::vec(any::<[u8; 4]>(), 1..8)) {
-            super::edits(&data.concat());
-        }
-    }
-
-    #[test]
-    fn the_properties_hold_for_correct_and_truncated_files() {
-        let config = "[output]\nrust = \"out\"\n\n[[package]]\nname = \"demo\"\ndialect = \"px4\"\ninclude = [\"*.msg\"]\n";
-        let catalogue = "# note\nmsgid \"\"\nmsgstr \"\"\n\"Language: uk\\n\"\n\n#, fuzzy\nmsgctxt \"a\"\nmsgid \"b\"\nmsgstr \"c\"\n";
-        let converted = "[[hint]]\nmessage = \"Glider\"\nversions = [0, 1]\nnew.mode = { MODE_B = \"MODE_C\" }\n\
-                         old.mode = { MODE_C = \"MODE_B\" }\nnew.mask = \"if old.MODE_B < mode and not is_on then 7 else count\"\n\
-                         narrow = { sink = \"nearest\", count = \"neutral\" }\nsame = [\"list\"]\n";
-        for (check, text) in
-            [(configuration as fn(&[u8]), config), (translations, catalogue), (hints, converted)]
-        {
-            for end in (0..text.len()).step_by(extent(1, 7)).chain([text.len()]) {
-                check(&text.as_bytes()[..end]);
-            }
-        }
-    }
+/// Translation catalogues.
+pub(super) fn translation_seeds() -> Vec<Vec<u8>> {
+    let entries = "# note\nmsgid \"\"\nmsgstr \"\"\n\"Language: uk\\n\"\n\n#. note\n#: a.msg:1\n#, fuzzy\n#| msgid \"was\"\n\
+                   msgctxt \"px4/A\"\nmsgid \"b \\\"c\\\"\\n\"\nmsgstr \"\"\n\"d\\n\"\n\"e\"\n\n#~ msgid \"old\"\n#~ msgstr \"x\"\n\n# end\n";
+    vec![entries.as_bytes().to_vec()]
 }

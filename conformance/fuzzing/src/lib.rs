@@ -6,7 +6,7 @@ mod bag_metadata;
 mod body_schema_grammar;
 mod captures;
 mod conversions;
-pub mod definitions;
+mod definitions;
 mod lists;
 #[cfg(feature = "schemas")]
 mod schemas;
@@ -15,10 +15,13 @@ mod testees;
 mod transports;
 mod watching;
 
-use std::io::{self, Read};
+use std::io::{self, Cursor, Read};
 use std::sync::LazyLock;
 
+use uavspec_capture::rosbag::SQLITE_MAGIC;
+use uavspec_capture::{MCAP_MAGIC, ULOG_MAGIC};
 use uavspec_rules::definitions::{Definitions, Library};
+use uavspec_rules::sample::Encoding;
 
 /// A kind of input.
 #[derive(Clone, Copy, Debug)]
@@ -33,14 +36,30 @@ pub struct Target {
 
 /// All targets.
 pub const TARGETS: &[Target] = &[
-    Target { name: "ulog", check: captures::ulog, seeds: captures::ulog_seeds },
-    Target { name: "mcap", check: captures::mcap, seeds: captures::mcap_seeds },
-    Target { name: "sqlite-bag", check: captures::sqlite_bag, seeds: captures::sqlite_bag_seeds },
+    Target {
+        name: "ulog",
+        check: |data| captures::starting_with(&ULOG_MAGIC, data),
+        seeds: || captures::flights(Encoding::Ulog),
+    },
+    Target {
+        name: "mcap",
+        check: |data| captures::starting_with(&MCAP_MAGIC, data),
+        seeds: || captures::flights(Encoding::Mcap),
+    },
+    Target {
+        name: "sqlite-bag",
+        check: |data| captures::starting_with(&SQLITE_MAGIC, data),
+        seeds: captures::sqlite_bag_seeds,
+    },
     Target { name: "bag-metadata", check: captures::bag_metadata, seeds: captures::bag_metadata_seeds },
     Target { name: "bag-metadata-grammar", check: bag_metadata::grammar, seeds: choices },
     Target { name: "json-capture", check: captures::json, seeds: captures::json_seeds },
     Target { name: "convert", check: conversions::mcap, seeds: conversions::mcap_seeds },
-    Target { name: "session", check: captures::session, seeds: captures::session_seeds },
+    Target {
+        name: "session",
+        check: |data| captures::starting_with(b"{", data),
+        seeds: captures::session_seeds,
+    },
     Target { name: "compressed", check: captures::compressed, seeds: captures::compressed_seeds },
     Target { name: "baseline", check: lists::baseline, seeds: lists::seeds },
     Target { name: "baseline-grammar", check: lists::grammar, seeds: choices },
@@ -56,6 +75,16 @@ pub const TARGETS: &[Target] = &[
     Target { name: "udp-server", check: server::udp, seeds: server::seeds },
     Target { name: "udp-client", check: watching::datagrams, seeds: watching::seeds },
     Target { name: "testee", check: testees::answers, seeds: testees::seeds },
+    Target { name: "edits", check: definitions::edits, seeds: definitions::edit_seeds },
+    Target {
+        name: "configuration",
+        check: definitions::configuration,
+        seeds: definitions::configuration_seeds,
+    },
+    Target { name: "configuration-grammar", check: definitions::configuration_grammar, seeds: choices },
+    Target { name: "hints", check: definitions::hints, seeds: definitions::hint_seeds },
+    Target { name: "hints-grammar", check: definitions::hints_grammar, seeds: choices },
+    Target { name: "translations", check: definitions::translations, seeds: definitions::translation_seeds },
 ];
 
 /// The built-in definitions.
@@ -88,25 +117,22 @@ fn choices() -> Vec<Vec<u8>> {
 }
 
 /// A reader that returns a few bytes at a time. The lengths vary.
-struct Pieces<'b> {
-    bytes: &'b [u8],
+struct Pieces {
+    bytes: Cursor<Vec<u8>>,
     length: usize,
 }
 
-impl<'b> Pieces<'b> {
-    fn new(bytes: &'b [u8]) -> Self {
-        Self { bytes, length: 0 }
+impl Pieces {
+    fn new(bytes: &[u8]) -> Self {
+        Self { bytes: Cursor::new(bytes.to_vec()), length: 0 }
     }
 }
 
-impl Read for Pieces<'_> {
+impl Read for Pieces {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
         self.length = self.length % 7 + 1;
-        let length = self.length.min(out.len()).min(self.bytes.len());
-        let (piece, rest) = self.bytes.split_at(length);
-        out[..length].copy_from_slice(piece);
-        self.bytes = rest;
-        Ok(length)
+        let length = self.length.min(out.len());
+        self.bytes.read(&mut out[..length])
     }
 }
 
@@ -134,6 +160,24 @@ mod tests {
                     changed.truncate(random.index(seed.len()));
                     (target.check)(&changed);
                 }
+            }
+        }
+    }
+
+    /// Random bytes select texts of each grammar, and edits of documents.
+    #[test]
+    fn the_properties_hold_for_random_texts_of_each_grammar() {
+        let mut random = Random(7);
+        for target in TARGETS {
+            let cases = match target.name {
+                // Each edit is followed by all requests.
+                "edits" => extent(24, 12),
+                name if name.ends_with("-grammar") => extent(256, 42),
+                _ => 0,
+            };
+            for _ in 0..cases {
+                let length = random.index(100);
+                (target.check)(&random.bytes(length));
             }
         }
     }

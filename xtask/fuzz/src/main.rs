@@ -17,7 +17,7 @@ use std::sync::OnceLock;
 use std::{env, fs, process};
 
 use libfuzzer_sys::fuzz_target;
-use uavspec_fuzzing::{TARGETS, Target, definitions as fuzzing};
+use uavspec_fuzzing::{TARGETS, Target};
 
 /// The targets for definitions and codecs. The other targets are in `uavspec-fuzzing`.
 const OWN_TARGETS: &[Target] = &[
@@ -25,12 +25,6 @@ const OWN_TARGETS: &[Target] = &[
     Target { name: "tables", check: definitions::tables, seeds: seeds::tables },
     Target { name: "format", check: definitions::format, seeds: seeds::files },
     Target { name: "fixes", check: definitions::fixes, seeds: seeds::files },
-    Target { name: "edits", check: fuzzing::edits, seeds: seeds::edits },
-    Target { name: "configuration", check: fuzzing::configuration, seeds: seeds::configurations },
-    Target { name: "configuration-grammar", check: fuzzing::configuration_grammar, seeds: seeds::choices },
-    Target { name: "hints", check: fuzzing::hints, seeds: seeds::hints },
-    Target { name: "hints-grammar", check: fuzzing::hints_grammar, seeds: seeds::choices },
-    Target { name: "translations", check: fuzzing::translations, seeds: seeds::translations },
     Target { name: "dynamic", check: dynamic::dynamic, seeds: seeds::dynamic },
     Target { name: "uorb", check: codecs::uorb, seeds: seeds::payloads },
     Target { name: "cdr", check: codecs::cdr, seeds: seeds::payloads },

@@ -1,6 +1,6 @@
 //! The inputs that a first run of the targets for definitions and codecs starts from.
 
-use uavspec_definitions::{FLOCKWAVE, PX4, PX4_HINTS};
+use uavspec_definitions::{FLOCKWAVE, PX4};
 
 /// The maximum length of a page, in bytes.
 const MAX_PAGE: usize = 4 << 10;
@@ -55,44 +55,6 @@ pub(crate) fn json() -> Vec<Vec<u8>> {
     let point = b"\x01{\"tag\":1,\"label\":\"a\",\"x\":18446744073709551615}".to_vec();
     let reply = b"\x05{\"timestamp\":1,\"request_id\":2,\"name\":[1,2],\"success\":true}".to_vec();
     vec![point, reply, b"\x00{\"flag\":null}".to_vec()]
-}
-
-/// Edits of documents. Four bytes are an edit.
-pub(crate) fn edits() -> Vec<Vec<u8>> {
-    let steps = (0..4_u8)
-        .flat_map(|document| (0..24_u8).map(move |text| [document << 6 | text, text % 6, text, text % 64]));
-    steps.collect::<Vec<_>>().chunks(16).map(<[[u8; 4]]>::concat).collect()
-}
-
-/// Files of `uavspec.toml`.
-pub(crate) fn configurations() -> Vec<Vec<u8>> {
-    let own = include_bytes!("../../../definitions/uavspec.toml").to_vec();
-    let lint = b"[[package]]\nname = \"demo\"\ndialect = \"ros2\"\ninclude = [\"*.msg\"]\nselect = [\"A\"]\n\n[lint]\n\
-                 preset = \"strict\"\n\n[lint.levels]\nunit-missing = \"off\"\n\n[[lint.ignore]]\nrule = \"name-style\"\n\
-                 path = \"a/*\"\nreason = \"old\"\n\n[output.rust]\npath = \"out\"\n";
-    vec![own, lint.to_vec()]
-}
-
-/// Bytes that select from a grammar: all values, and others.
-pub(crate) fn choices() -> Vec<Vec<u8>> {
-    vec![(0..=255).collect(), vec![100; 64], vec![65, 66, 69, 72, 251, 3]]
-}
-
-/// Hints for conversions.
-pub(crate) fn hints() -> Vec<Vec<u8>> {
-    let constants = "[[hint]]\nmessage = \"Glider\"\nversions = [0, 1]\nnew.mode = { MODE_B = \"MODE_C\" }\n\
-                     old.mode = \"if mode == 2 then MODE_B else old.MODE_A\"\nrename = { sink = \"sink\" }\n";
-    let policies = "[[hint]]\nold_message = \"Tow\"\nnew_message = \"Tow\"\ntopic = \"tow\"\n\n[[hint]]\nmessage = \"Glider\"\n\
-                    narrow = { sink = \"nearest\", count = \"neutral\" }\nsame = [\"MODE_A\"]\n\
-                    new.mask = \"count & ~0xff | 1 + 2 * 3\"\nnew.is_on = \"not is_on or sink / 2 >= nan and true\"\n";
-    vec![constants.into(), policies.into(), PX4_HINTS.into()]
-}
-
-/// Translation catalogues.
-pub(crate) fn translations() -> Vec<Vec<u8>> {
-    let entries = "# note\nmsgid \"\"\nmsgstr \"\"\n\"Language: uk\\n\"\n\n#. note\n#: a.msg:1\n#, fuzzy\n#| msgid \"was\"\n\
-                   msgctxt \"px4/A\"\nmsgid \"b \\\"c\\\"\\n\"\nmsgstr \"\"\n\"d\\n\"\n\"e\"\n\n#~ msgid \"old\"\n#~ msgstr \"x\"\n\n# end\n";
-    vec![entries.as_bytes().to_vec()]
 }
 
 fn messages() -> Vec<&'static [u8]> {

@@ -3,10 +3,10 @@
 use std::fmt::Write as _;
 
 /// A table: its header, and its keys, each with values. The first value of each key is valid.
-pub(super) type Table = (&'static str, &'static [(&'static str, &'static [&'static str])]);
+pub(crate) type Table = (&'static str, &'static [(&'static str, &'static [&'static str])]);
 
 /// A text that the bytes select from the tables. Keys may be missing or have invalid values.
-pub(super) fn text(tables: &[Table], data: &[u8]) -> String {
+pub(crate) fn text(tables: &[Table], data: &[u8]) -> String {
     let mut text = String::new();
     let mut bytes = data.iter().map(|byte| usize::from(*byte));
     while let Some(byte) = bytes.next() {

@@ -1,6 +1,7 @@
 //! Hints that follow their grammar, with expressions.
 
 use super::grammar::{self, Table};
+use crate::Choices;
 
 /// The values of a field: expressions in place of `$`, and constants.
 const VALUES: &[&str] = &[
@@ -89,29 +90,31 @@ const TOKENS: [&str; 14] =
 
 /// A text that the bytes select. The last bytes select the expressions.
 pub(super) fn text(data: &[u8]) -> String {
-    let mut bytes = data.iter().rev().map(|byte| usize::from(*byte));
-    let mut next = |limit: usize| bytes.next().unwrap_or(0) % limit;
+    let reversed: Vec<u8> = data.iter().rev().copied().collect();
+    let mut choices = Choices::new(&reversed);
     let text = grammar::text(&TABLES, data);
     let mut parts = text.split('$');
     let first = parts.next().unwrap_or_default().to_owned();
-    parts.fold(first, |text, part| text + &expression(&mut next) + part)
+    parts.fold(first, |text, part| text + &expression(&mut choices) + part)
 }
 
 /// An expression of any tokens, or of operands and operators that alternate, which is often valid.
-fn expression(next: &mut dyn FnMut(usize) -> usize) -> String {
-    match next(4) {
-        0 | 1 => alternating(next),
-        2 => format!("if {} == 1 then {} else {}", alternating(next), alternating(next), alternating(next)),
+fn expression(choices: &mut Choices<'_>) -> String {
+    match choices.below(4) {
+        0 | 1 => alternating(choices),
+        2 => {
+            let [condition, yes, no] = [(); 3].map(|()| alternating(choices));
+            format!("if {condition} == 1 then {yes} else {no}")
+        }
         _ => {
             let all = [&OPERANDS[..], &OPERATORS, &TOKENS].concat();
-            (0..next(12)).map(|_| all[next(all.len())]).collect::<Vec<_>>().join(" ")
+            (0..choices.below(12)).map(|_| choices.of(&all)).collect::<Vec<_>>().join(" ")
         }
     }
 }
 
-fn alternating(next: &mut dyn FnMut(usize) -> usize) -> String {
-    let first = OPERANDS[next(OPERANDS.len())].to_owned();
-    (0..next(4)).fold(first, |text, _| {
-        format!("{text} {} {}", OPERATORS[next(OPERATORS.len())], OPERANDS[next(OPERANDS.len())])
-    })
+fn alternating(choices: &mut Choices<'_>) -> String {
+    let first = choices.of(&OPERANDS).to_owned();
+    (0..choices.below(4))
+        .fold(first, |text, _| format!("{text} {} {}", choices.of(&OPERATORS), choices.of(&OPERANDS)))
 }
