@@ -1,19 +1,21 @@
-//! Runs the adapter of a tool and reads its output.
+//! Installs and runs the adapter of a tool, and reads its output.
 
+use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{BufRead as _, BufReader, Read as _};
+use std::io::{self, BufReader};
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
-use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
+use std::process::{Command, Stdio};
+use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
+use super::SOURCE;
 use super::job::Job;
-
-/// The maximum length of a line. Lines that contain a version or a verdict are much shorter.
-const LONGEST_LINE: u64 = 1 << 16;
+use super::tool::Tool;
+use crate::command::cargo;
+use crate::paths::repository;
 
 /// The maximum number of buffered lines.
 const WAITING_LINES: usize = 1024;
@@ -22,165 +24,136 @@ const WAITING_LINES: usize = 1024;
 const PAUSE: Duration = Duration::from_millis(10);
 
 /// The output of an adapter.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Answers {
     pub(super) version: Option<String>,
-    /// The answer to each job, in order.
-    pub(super) jobs: Vec<Answer>,
+    /// The answers by the number of the job, and of its case. An answer without a case is about the schema.
+    pub(super) lines: BTreeMap<(usize, Option<usize>), Line>,
     pub(super) end: End,
-    pub(super) time: Duration,
-}
-
-/// The answer to a job.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Answer {
-    /// No answer.
-    Nothing,
-    /// The tool rejects the schema.
-    NoSchema(String),
-    /// The verdict on each case, if any.
-    Verdicts(Vec<Option<Verdict>>),
-}
-
-/// The verdict of a tool on an instance.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Verdict {
-    Valid,
-    /// Invalid, with the reason.
-    Invalid(String),
-    /// The tool failed.
-    Failed(String),
+    /// The reason for this end.
+    pub(super) reason: String,
 }
 
 /// The end of an adapter's run.
-#[derive(Clone, Debug, Deserialize, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum End {
     /// The adapter exited successfully.
+    #[default]
     Finished,
     /// The adapter failed to start, or exited with an error.
-    Crashed(String),
+    Crashed,
     /// The adapter exceeded the time limit.
     Hung,
     /// The adapter printed an invalid line.
-    Garbage(String),
+    Garbage,
 }
 
 /// A line of output.
-#[derive(Deserialize)]
-struct Line {
+#[derive(Debug, Deserialize)]
+pub(super) struct Line {
     version: Option<String>,
     job: Option<usize>,
     case: Option<usize>,
-    valid: Option<bool>,
-    error: Option<String>,
-    message: Option<String>,
+    /// The verdict on an instance.
+    pub(super) valid: Option<bool>,
+    /// The reason why the tool rejects a schema, or failed on an instance.
+    pub(super) error: Option<String>,
+    /// The reason why the tool rejects an instance.
+    pub(super) message: Option<String>,
+}
+
+/// The script that installs and runs the adapter of a tool.
+pub(super) fn script(action: &str, tool: &Tool) -> Command {
+    let mut command = Command::new("sh");
+    command.arg(repository().join(SOURCE).join("environment.sh")).env("CARGO", cargo());
+    command.args([action, &tool.environment, &tool.adapter]).stdin(Stdio::null());
+    command
+}
+
+/// Installs the adapter of a tool. An error is the reason why it can't run.
+pub(super) fn install(tool: &Tool, may_install: bool) -> Result<(), String> {
+    let mut command = script("install", tool);
+    if !may_install {
+        command.env("NO_INSTALL", "1");
+    }
+    let output = command.stderr(Stdio::inherit()).output().map_err(|error| format!("sh: {error}"))?;
+    let reason = String::from_utf8_lossy(&output.stdout);
+    if output.status.success() { Ok(()) } else { Err(reason.trim_end().to_owned()) }
 }
 
 /// Runs an adapter for at most `limit`. Its standard error is written to the file `log`.
 pub(super) fn run(command: &mut Command, jobs: &[Job], log: &Path, limit: Duration) -> Answers {
-    let started = Instant::now();
-    let mut answers = Answers {
-        version: None,
-        jobs: vec![Answer::Nothing; jobs.len()],
-        end: End::Finished,
-        time: Duration::ZERO,
-    };
-    answers.end = match start(command, log) {
-        Err(error) => End::Crashed(error),
-        Ok((mut child, lines)) => {
-            let end = listen(&mut answers, jobs, &mut child, &lines, started + limit);
-            // Stop the adapter if it is still running.
-            let _ = child.kill();
-            let _ = child.wait();
-            end
-        }
-    };
-    answers.time = started.elapsed();
+    let mut answers = Answers::default();
+    if let Err((end, reason)) = answers.read(command, jobs, log, Instant::now() + limit) {
+        (answers.end, answers.reason) = (end, reason);
+    }
     answers
 }
 
-fn start(command: &mut Command, log: &Path) -> Result<(Child, Receiver<Vec<u8>>), String> {
-    let log = File::create(log).map_err(|error| format!("{}: {error}", log.display()))?;
-    command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(log);
-    let program = command.get_program().to_string_lossy().into_owned();
-    let mut child = command.spawn().map_err(|error| format!("{program}: {error}"))?;
-    let out = child.stdout.take().ok_or("the adapter has no standard output")?;
-    let (sender, lines) = mpsc::sync_channel(WAITING_LINES);
-    // Don't join the thread: a child process of the adapter may keep the pipe open.
-    thread::spawn(move || {
-        let mut out = BufReader::new(out);
-        loop {
-            let mut line = Vec::new();
-            match out.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut line) {
-                Ok(1..) if sender.send(line).is_ok() => {}
-                _ => break,
-            }
-        }
-    });
-    Ok((child, lines))
-}
-
-fn listen(
-    answers: &mut Answers,
-    jobs: &[Job],
-    child: &mut Child,
-    lines: &Receiver<Vec<u8>>,
-    deadline: Instant,
-) -> End {
-    for number in 1_usize.. {
-        match lines.recv_timeout(deadline.saturating_duration_since(Instant::now())) {
-            Ok(line) => {
-                if let Err(error) = answers.take(jobs, &line) {
-                    return End::Garbage(format!("line {number}: {error}"));
-                }
-            }
-            Err(RecvTimeoutError::Timeout) => return End::Hung,
-            Err(RecvTimeoutError::Disconnected) => break,
-        }
-    }
-    loop {
-        match child.try_wait() {
-            Ok(Some(status)) if status.success() => return End::Finished,
-            Ok(Some(status)) => return End::Crashed(status.to_string()),
-            Ok(None) if Instant::now() < deadline => thread::sleep(PAUSE),
-            Ok(None) => return End::Hung,
-            Err(error) => return End::Crashed(error.to_string()),
-        }
-    }
-}
-
 impl Answers {
-    fn take(&mut self, jobs: &[Job], line: &[u8]) -> Result<(), String> {
-        let line: Line = serde_json::from_slice(line).map_err(|error| error.to_string())?;
+    /// Runs an adapter and reads its output. An error is an end other than success.
+    fn read(
+        &mut self,
+        command: &mut Command,
+        jobs: &[Job],
+        log: &Path,
+        deadline: Instant,
+    ) -> Result<(), (End, String)> {
+        let crashed = |error: io::Error| (End::Crashed, error.to_string());
+        let log = File::create(log).map_err(crashed)?;
+        let mut child = command.stdout(Stdio::piped()).stderr(log).spawn().map_err(crashed)?;
+        let (sender, lines) = mpsc::sync_channel(WAITING_LINES);
+        // Don't join the thread: a child process of the adapter may keep the pipe open.
+        if let Some(out) = child.stdout.take() {
+            let lines = serde_json::Deserializer::from_reader(BufReader::new(out)).into_iter::<Line>();
+            thread::spawn(move || lines.map(|line| sender.send(line)).find(Result::is_err));
+        }
+        let end = loop {
+            match lines.recv_timeout(deadline.saturating_duration_since(Instant::now())) {
+                Ok(line) => {
+                    let line = line.map_err(|error| error.to_string());
+                    if let Err(error) = line.and_then(|line| self.take(jobs, line)) {
+                        break Err((End::Garbage, error));
+                    }
+                }
+                Err(RecvTimeoutError::Timeout) => break Err((End::Hung, String::new())),
+                Err(RecvTimeoutError::Disconnected) => match child.try_wait() {
+                    Ok(Some(status)) if status.success() => break Ok(()),
+                    Ok(Some(status)) => break Err((End::Crashed, status.to_string())),
+                    Ok(None) if Instant::now() < deadline => thread::sleep(PAUSE),
+                    Ok(None) => break Err((End::Hung, String::new())),
+                    Err(error) => break Err(crashed(error)),
+                },
+            }
+        };
+        // Stop the adapter if it is still running.
+        let _ = child.kill();
+        let _ = child.wait();
+        end
+    }
+
+    fn take(&mut self, jobs: &[Job], line: Line) -> Result<(), String> {
         let Some(index) = line.job else {
             self.version = Some(line.version.ok_or("expected a version or a job")?);
             return Ok(());
         };
-        let (Some(job), Some(answer)) = (jobs.get(index), self.jobs.get_mut(index)) else {
-            return Err(format!("unknown job {index}"));
-        };
-        let Some(case) = line.case else {
-            if *answer != Answer::Nothing {
-                return Err(format!("duplicate job {index}"));
+        let job = jobs.get(index).ok_or_else(|| format!("unknown job {index}"))?;
+        if let Some(case) = line.case {
+            if self.lines.get(&(index, None)).is_none_or(|schema| schema.error.is_some()) {
+                return Err(format!("a case of job {index} precedes its schema"));
             }
-            *answer =
-                line.error.map_or_else(|| Answer::Verdicts(vec![None; job.cases.len()]), Answer::NoSchema);
-            return Ok(());
-        };
-        let Answer::Verdicts(verdicts) = answer else {
-            return Err(format!("a case of job {index} precedes its schema"));
-        };
-        let verdict = verdicts.get_mut(case).ok_or_else(|| format!("unknown case {case} of job {index}"))?;
-        if verdict.is_some() {
-            return Err(format!("duplicate case {case} of job {index}"));
+            if case >= job.cases.len() {
+                return Err(format!("unknown case {case} of job {index}"));
+            }
+            if line.valid.is_none() && line.error.is_none() {
+                return Err(format!("case {case} of job {index} has no verdict"));
+            }
         }
-        *verdict = Some(match (line.valid, line.error) {
-            (_, Some(error)) => Verdict::Failed(error),
-            (Some(true), None) => Verdict::Valid,
-            (Some(false), None) => Verdict::Invalid(line.message.unwrap_or_default()),
-            (None, None) => return Err(format!("case {case} of job {index} has no verdict")),
-        });
-        Ok(())
+        match self.lines.insert((index, line.case), line) {
+            Some(earlier) if earlier.case.is_some() => Err(format!("duplicate case of job {index}")),
+            Some(_) => Err(format!("duplicate job {index}")),
+            None => Ok(()),
+        }
     }
 }

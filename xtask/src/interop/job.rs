@@ -4,9 +4,11 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 use serde_json::{Value, json};
+use walkdir::{DirEntry, WalkDir};
 
 /// The way to refer to a schema.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -31,12 +33,17 @@ impl Form {
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct Job {
     pub(super) form: Form,
-    pub(super) package: String,
     /// The type, with its package.
     pub(super) name: String,
     /// The URL of the schema.
     pub(super) schema: String,
     pub(super) cases: Vec<Case>,
+}
+
+impl Job {
+    pub(super) fn package(&self) -> &str {
+        self.name.split_once('/').map_or("", |(package, _)| package)
+    }
 }
 
 /// An instance and the expected result.
@@ -75,17 +82,6 @@ struct Vector {
     json: Option<Box<RawValue>>,
 }
 
-#[derive(Deserialize)]
-struct Group {
-    tests: Vec<Test>,
-}
-
-#[derive(Deserialize)]
-struct Test {
-    description: String,
-    valid: bool,
-}
-
 impl Jobs {
     /// Reads the generated files in `folder`.
     pub(super) fn read(folder: &Path) -> Result<Self, String> {
@@ -109,13 +105,7 @@ impl Jobs {
                 .split_once('/')
                 .ok_or_else(|| format!("{}: `type` contains no package", path.display()))?;
             let cases = cases(folder, &path, vectors.cases)?;
-            let job = |form, schema| Job {
-                form,
-                package: package.to_owned(),
-                name: vectors.name.clone(),
-                schema,
-                cases: cases.clone(),
-            };
+            let job = |form, schema| Job { form, name: vectors.name.clone(), schema, cases: cases.clone() };
             list.push(job(Form::Files, vectors.schema.clone()));
             if let Some((address, definitions)) = bundles.get(package) {
                 let definition = name_of(&path).trim_end_matches(".vectors.json");
@@ -167,11 +157,12 @@ fn cases(folder: &Path, path: &Path, vectors: Vec<Vector>) -> Result<Vec<Case>, 
     let relative = path.strip_prefix(&root).map_err(|error| error.to_string())?;
     let suite = root.join("json-schema-test-suite/tests/draft2020-12").join(relative);
     let suite = suite.with_file_name(name_of(path).replace(".vectors.json", ".json"));
-    let groups: Vec<Group> = if suite.exists() { parse(&suite)? } else { Vec::new() };
-    let verdicts: BTreeMap<&str, bool> = groups
-        .iter()
-        .flat_map(|group| &group.tests)
-        .filter_map(|test| Some((test.description.split_once(": ")?.0, test.valid)))
+    let groups: Vec<Value> = if suite.exists() { parse(&suite)? } else { Vec::new() };
+    let tests = groups.iter().filter_map(|group| group["tests"].as_array()).flatten();
+    let verdicts: BTreeMap<&str, bool> = tests
+        .filter_map(|test| {
+            Some((test["description"].as_str()?.split_once(": ")?.0, test["valid"].as_bool()?))
+        })
         .collect();
     let case = |vector: Vector| {
         let is_valid = verdicts.get(vector.id.as_str()).copied().unwrap_or(vector.valid);
@@ -185,27 +176,18 @@ fn cases(folder: &Path, path: &Path, vectors: Vec<Vector>) -> Result<Vec<Case>, 
     Ok(vectors.into_iter().filter_map(case).collect())
 }
 
-/// The files below `folder` with this ending, sorted.
+/// The files below `folder` with this ending.
 fn files(folder: &Path, ending: &str) -> Result<Vec<PathBuf>, String> {
-    let at = |error: std::io::Error| format!("{}: {error}", folder.display());
-    let mut found = Vec::new();
-    for entry in fs::read_dir(folder).map_err(at)? {
-        let path = entry.map_err(at)?.path();
-        if path.is_dir() {
-            found.extend(files(&path, ending)?);
-        } else if name_of(&path).ends_with(ending) {
-            found.push(path);
-        }
-    }
-    found.sort();
-    Ok(found)
+    let paths = WalkDir::new(folder).into_iter().map(|entry| entry.map(DirEntry::into_path));
+    let paths: Vec<PathBuf> = paths.collect::<Result<_, _>>().map_err(|error| error.to_string())?;
+    Ok(paths.into_iter().filter(|path| name_of(path).ends_with(ending)).collect())
 }
 
 fn name_of(path: &Path) -> &str {
     path.file_name().and_then(|name| name.to_str()).unwrap_or_default()
 }
 
-fn parse<T: for<'de> Deserialize<'de>>(path: &Path) -> Result<T, String> {
+pub(super) fn parse<T: DeserializeOwned>(path: &Path) -> Result<T, String> {
     let text = fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
     serde_json::from_str(&text).map_err(|error| format!("{}: {error}", path.display()))
 }

@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
+use super::adapter::End;
 use super::known::{Entry, Known, Right};
-use super::record::{Record, ToolRecord};
-use super::tally::Count;
+use super::tally::{Count, Record};
 use super::tool::{Kind, Tool};
 
 /// The entry in the table of contents.
@@ -99,7 +99,9 @@ fn matrix<'t>(page: &mut String, tools: impl Iterator<Item = &'t Tool>, record: 
             let text = count.map_or_else(|| "not run".to_owned(), |count| outcome(count, tool.kind));
             let _ = write!(page, " {text} |");
         }
-        let _ = writeln!(page, "{}", found.map_or_else(String::new, ending));
+        // A note on a tool that did not finish.
+        let end = found.map(|found| found.end).filter(|end| *end != End::Finished);
+        let _ = writeln!(page, "{}", end.map_or_else(String::new, |end| format!(" {end:?}").to_lowercase()));
     }
 }
 
@@ -119,11 +121,6 @@ fn outcome(count: &Count, kind: Kind) -> String {
     text
 }
 
-/// The note on a tool that did not finish.
-fn ending(found: &ToolRecord) -> String {
-    if found.end == "finished" { String::new() } else { format!(" {}", found.end) }
-}
-
 fn disagreement(page: &mut String, entry: &Entry, record: &Record) {
     let tools = entry.tools.iter().map(|tool| {
         let count = record.tools.get(tool).and_then(|found| found.explained.get(&entry.id));
@@ -139,7 +136,7 @@ fn disagreement(page: &mut String, entry: &Entry, record: &Record) {
     let _ = writeln!(page, "- Tools (number of cases): {}", tools.join(", "));
     let _ = writeln!(page, "- Behaviour: {}{form}", entry.does);
     let _ = writeln!(page, "- Correct according to the specification: {right} ({})", entry.section);
-    let places: Vec<String> = entry.places.iter().map(|place| format!("`{place}`")).collect();
+    let places: Vec<String> = entry.places.iter().map(|place| format!("`{}`", place.glob())).collect();
     let _ = writeln!(page, "- Cases: {}", places.join(", "));
 }
 

@@ -1,22 +1,31 @@
-//! Comparison of a tool's verdicts with the expected results.
+//! Comparison of a tool's verdicts with the expected results, and the record of all results.
 
 use std::collections::BTreeMap;
 use std::fmt;
-use std::ops::AddAssign;
 
 use serde::{Deserialize, Serialize};
 
-use super::adapter::{Answer, Answers, End, Verdict};
+use super::adapter::{Answers, End, Line};
 use super::job::{Case, Form, Job};
 use super::tool::{Kind, Tool};
 
-/// The result of a tool's run.
-#[derive(Debug)]
-pub(super) struct Tally {
-    pub(super) version: Option<String>,
+/// The results of the latest run of each tool, in `xtask/interop/results.json`.
+#[derive(Clone, Debug, Default, Deserialize, PartialEq, Eq, Serialize)]
+pub(super) struct Record {
+    /// The number of violating cases for each rule that schemas can't express.
+    pub(super) beyond: BTreeMap<String, usize>,
+    pub(super) tools: BTreeMap<String, ToolRecord>,
+}
+
+/// The results of a tool, without machine-dependent values.
+#[derive(Clone, Debug, Default, Deserialize, PartialEq, Eq, Serialize)]
+pub(super) struct ToolRecord {
+    pub(super) version: String,
     pub(super) end: End,
-    pub(super) counts: BTreeMap<(Form, String), Count>,
-    pub(super) disagreements: Vec<Disagreement>,
+    /// The counts by form and package.
+    pub(super) counts: BTreeMap<Form, BTreeMap<String, Count>>,
+    /// The number of disagreements that each entry explains.
+    pub(super) explained: BTreeMap<String, usize>,
 }
 
 /// A tool's results for the cases of one package, whose schemas are referred to in one form.
@@ -35,6 +44,13 @@ pub(super) struct Count {
     pub(super) refused: usize,
     /// The number of invalid cases that generated code accepts.
     pub(super) taken: usize,
+}
+
+/// The result of a tool's run.
+#[derive(Debug, Default)]
+pub(super) struct Tally {
+    pub(super) record: ToolRecord,
+    pub(super) disagreements: Vec<Disagreement>,
 }
 
 /// A disagreement of a tool.
@@ -76,88 +92,69 @@ impl fmt::Display for Does {
     }
 }
 
-impl AddAssign for Count {
-    fn add_assign(&mut self, other: Self) {
-        self.schemas += other.schemas;
-        self.schemas_failed += other.schemas_failed;
-        self.agreed += other.agreed;
-        self.disagreed += other.disagreed;
-        self.not_run += other.not_run;
-        self.refused += other.refused;
-        self.taken += other.taken;
+impl Record {
+    /// The text of the file.
+    pub(super) fn text(&self) -> String {
+        let text = serde_json::to_string_pretty(self).expect("records contain only string keys and numbers");
+        format!("{text}\n")
     }
 }
 
 impl Tally {
     /// Compares answers with the expected results. Ignores jobs in a form that the tool doesn't support.
-    pub(super) fn of(tool: &Tool, jobs: &[Job], answers: Answers) -> Self {
-        let mut tally = Self {
-            version: answers.version,
-            end: answers.end,
-            counts: BTreeMap::new(),
-            disagreements: Vec::new(),
-        };
+    pub(super) fn of(tool: &Tool, jobs: &[Job], answers: &Answers) -> Self {
+        let mut tally = Self::default();
+        tally.record.version = answers.version.clone().unwrap_or_else(|| "unknown".to_owned());
+        tally.record.end = answers.end;
         let is_supported = |job: &Job| tool.form.is_none_or(|form| form == job.form);
-        for (job, answer) in jobs.iter().zip(answers.jobs).filter(|(job, _)| is_supported(job)) {
-            tally.add(tool.kind, job, answer);
+        for (index, job) in jobs.iter().enumerate().filter(|(_, job)| is_supported(job)) {
+            tally.add(tool.kind, job, |case| answers.lines.get(&(index, case)));
         }
         tally
     }
 
-    /// The sum over all packages and forms.
-    pub(super) fn total(&self) -> Count {
-        self.counts.values().fold(Count::default(), |mut total, count| {
-            total += *count;
-            total
-        })
-    }
-
-    fn add(&mut self, kind: Kind, job: &Job, answer: Answer) {
-        let count = self.counts.entry((job.form, job.package.clone())).or_default();
-        let mut disagree = |place: String, does, message| {
+    fn add<'l>(&mut self, kind: Kind, job: &Job, line: impl Fn(Option<usize>) -> Option<&'l Line>) {
+        let counts = self.record.counts.entry(job.form).or_default();
+        let count = counts.entry(job.package().to_owned()).or_default();
+        let mut disagree = |place: String, does, message: &str| {
+            let message = message.to_owned();
             self.disagreements.push(Disagreement { form: job.form, place, does, message });
         };
         // Disagreements of generated code count only for valid instances.
         let is_relevant = |case: &&Case| kind == Kind::Validator || case.is_valid;
-        let verdicts = match answer {
-            Answer::Verdicts(verdicts) => verdicts,
-            Answer::NoSchema(error) => {
-                count.schemas_failed += 1;
-                count.not_run += job.cases.iter().filter(is_relevant).count();
-                return disagree(job.name.clone(), Does::RefusesSchema, error);
-            }
-            Answer::Nothing => {
-                count.not_run += job.cases.iter().filter(is_relevant).count();
-                return disagree(job.name.clone(), Does::SaysNothing, String::new());
-            }
+        let error = match line(None) {
+            None => Some((Does::SaysNothing, "")),
+            Some(schema) => schema.error.as_deref().map(|error| (Does::RefusesSchema, error)),
         };
+        if let Some((does, message)) = error {
+            count.schemas_failed += usize::from(does == Does::RefusesSchema);
+            count.not_run += job.cases.iter().filter(is_relevant).count();
+            return disagree(job.name.clone(), does, message);
+        }
         count.schemas += 1;
-        for (case, verdict) in job.cases.iter().zip(verdicts) {
+        for (index, case) in job.cases.iter().enumerate() {
+            let verdict = line(Some(index));
             if !is_relevant(&case) {
                 match verdict {
-                    Some(Verdict::Valid) => count.taken += 1,
+                    Some(Line { error: None, valid: Some(true), .. }) => count.taken += 1,
                     Some(_) => count.refused += 1,
                     None => {}
                 }
                 continue;
             }
-            let place = || format!("{}#{}", job.name, case.id);
-            let (does, message) = match (verdict, case.is_valid) {
-                (Some(Verdict::Valid), true) | (Some(Verdict::Invalid(_)), false) => {
+            let (does, message) = match verdict {
+                None => (Does::SaysNothing, ""),
+                Some(Line { error: Some(error), .. }) => (Does::Fails, error.as_str()),
+                Some(line) if line.valid == Some(case.is_valid) => {
                     count.agreed += 1;
                     continue;
                 }
-                (None, _) => {
-                    count.not_run += 1;
-                    disagree(place(), Does::SaysNothing, String::new());
-                    continue;
-                }
-                (Some(Verdict::Valid), false) => (Does::Takes, String::new()),
-                (Some(Verdict::Invalid(message)), true) => (Does::Refuses, message),
-                (Some(Verdict::Failed(message)), _) => (Does::Fails, message),
+                Some(_) if !case.is_valid => (Does::Takes, ""),
+                Some(line) => (Does::Refuses, line.message.as_deref().unwrap_or_default()),
             };
-            count.disagreed += 1;
-            disagree(place(), does, message);
+            count.not_run += usize::from(does == Does::SaysNothing);
+            count.disagreed += usize::from(does != Does::SaysNothing);
+            disagree(format!("{}#{}", job.name, case.id), does, message);
         }
     }
 }

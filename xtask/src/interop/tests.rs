@@ -2,19 +2,18 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
 use tempfile::TempDir;
 
-use super::adapter::{self, Answer, Answers, End, Verdict};
+use super::adapter::{self, Answers, End};
 use super::job::{Case, Form, Job, Jobs};
-use super::known::{Classification, Known};
-use super::record::Record;
-use super::tally::{Count, Does, Tally};
-use super::tool::{self, Tool};
-use super::{Paths, canonical, page};
+use super::known::Known;
+use super::tally::{Count, Does, Record, Tally};
+use super::tool::Tool;
+use super::{CONTENTS, PAGE, RECORD, SOURCE, configuration, job, page};
+use crate::paths::repository;
 
 /// A time limit that no script reaches.
 const LONG: Duration = Duration::from_secs(120);
@@ -36,7 +35,6 @@ fn case(id: &str, is_valid: bool) -> Case {
 fn jobs() -> Vec<Job> {
     let job = |name: &str, cases| Job {
         form: Form::Files,
-        package: "demo".to_owned(),
         name: format!("demo/{name}"),
         schema: format!("https://example.com/{name}.schema.json"),
         cases,
@@ -61,18 +59,18 @@ fn run(script: &str, limit: Duration) -> Answers {
 }
 
 fn tally(kind: &str, script: &str) -> Tally {
-    Tally::of(&tool(kind, ""), &jobs(), run(script, LONG))
+    Tally::of(&tool(kind, ""), &jobs(), &run(script, LONG))
 }
 
 fn total(tally: &Tally) -> Count {
-    tally.total()
+    tally.record.counts[&Form::Files]["demo"]
 }
 
 #[test]
 #[cfg(unix)]
 fn compares_verdicts_with_expected_results() {
     let tally = tally("validator", ANSWERS);
-    assert_eq!((tally.version.as_deref(), &tally.end), (Some("1.2.3"), &End::Finished));
+    assert_eq!((tally.record.version.as_str(), tally.record.end), ("1.2.3", End::Finished));
     let count =
         Count { schemas: 1, schemas_failed: 1, agreed: 1, disagreed: 2, not_run: 1, refused: 0, taken: 0 };
     assert_eq!(total(&tally), count);
@@ -98,16 +96,17 @@ fn ignores_invalid_instances_that_generated_code_accepts() {
 #[test]
 #[cfg(unix)]
 fn ignores_jobs_in_an_unsupported_form() {
-    let tally = Tally::of(&tool("validator", "form = \"bundle\""), &jobs(), run(ANSWERS, LONG));
-    assert!(tally.counts.is_empty() && tally.disagreements.is_empty());
+    let tally = Tally::of(&tool("validator", "form = \"bundle\""), &jobs(), &run(ANSWERS, LONG));
+    assert!(tally.record.counts.is_empty() && tally.disagreements.is_empty());
 }
 
 #[test]
 #[cfg(unix)]
 fn counts_answers_before_a_crash() {
     let script = "echo '{\"job\": 0}'; echo '{\"job\": 0, \"case\": 0, \"valid\": true}'; exit 3";
+    let answers = run(script, LONG);
+    assert!(answers.end == End::Crashed && answers.reason.contains('3'), "{answers:?}");
     let tally = tally("validator", script);
-    assert!(matches!(&tally.end, End::Crashed(status) if status.contains('3')), "{:?}", tally.end);
     assert_eq!((total(&tally).agreed, total(&tally).not_run), (1, 3));
     let silent = tally.disagreements.iter().filter(|found| found.does == Does::SaysNothing);
     let places: Vec<&str> = silent.map(|found| found.place.as_str()).collect();
@@ -120,7 +119,7 @@ fn stops_an_adapter_that_hangs() {
     for script in ["exec sleep 600", "exec >&-; exec sleep 600"] {
         let answers = run(script, Duration::from_millis(200));
         assert_eq!(answers.end, End::Hung, "{script}");
-        assert!(answers.jobs.iter().all(|answer| *answer == Answer::Nothing));
+        assert!(answers.lines.is_empty(), "{answers:?}");
     }
 }
 
@@ -128,32 +127,24 @@ fn stops_an_adapter_that_hangs() {
 #[cfg(unix)]
 fn stops_an_adapter_that_prints_invalid_lines() {
     let garbage = [
-        ("echo hello", "line 1: "),
-        ("echo '{}'", "line 1: expected a version or a job"),
-        ("echo '{\"job\": 2}'", "line 1: unknown job 2"),
-        ("echo '{\"job\": 0, \"case\": 0, \"valid\": true}'", "line 1: a case of job 0 precedes its schema"),
-        ("echo '{\"job\": 0}'; echo '{\"job\": 0}'", "line 2: duplicate job 0"),
-        ("echo '{\"job\": 0}'; echo '{\"job\": 0, \"case\": 3, \"valid\": true}'", "line 2: unknown case 3"),
-        ("echo '{\"job\": 0}'; echo '{\"job\": 0, \"case\": 0}'", "line 2: case 0 of job 0 has no verdict"),
-        // An unterminated line.
-        ("cat /dev/zero", "line 1: "),
+        ("echo hello", "line 1 column 1"),
+        ("echo '{}'", "expected a version or a job"),
+        ("echo '{\"job\": 2}'", "unknown job 2"),
+        ("echo '{\"job\": 0, \"case\": 0, \"valid\": true}'", "a case of job 0 precedes its schema"),
+        ("echo '{\"job\": 0}'; echo '{\"job\": 0}'", "duplicate job 0"),
+        ("echo '{\"job\": 0}'; echo '{\"job\": 0, \"case\": 3, \"valid\": true}'", "unknown case 3 of job 0"),
+        ("echo '{\"job\": 0}'; echo '{\"job\": 0, \"case\": 0}'", "case 0 of job 0 has no verdict"),
+        ("cat /dev/zero", "line 1 column 1"),
     ];
     for (script, expected) in garbage {
         let answers = run(script, LONG);
-        assert!(
-            matches!(&answers.end, End::Garbage(text) if text.starts_with(expected)),
-            "{:?}",
-            answers.end
-        );
+        assert!(answers.end == End::Garbage && answers.reason.contains(expected), "{answers:?}");
     }
     let twice =
         "echo '{\"job\": 0}'; for i in 1 2; do echo '{\"job\": 0, \"case\": 0, \"valid\": false}'; done";
     let answers = run(twice, LONG);
-    assert!(matches!(answers.end, End::Garbage(_)));
-    assert_eq!(
-        answers.jobs.first(),
-        Some(&Answer::Verdicts(vec![Some(Verdict::Invalid(String::new())), None, None]))
-    );
+    assert_eq!((answers.end, answers.reason.as_str()), (End::Garbage, "duplicate case of job 0"));
+    assert_eq!(answers.lines[&(0, Some(0))].valid, Some(false), "earlier answers count");
 }
 
 #[test]
@@ -161,15 +152,18 @@ fn a_missing_program_is_a_crash() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut command = Command::new(folder.path().join("no-such-adapter"));
     let answers = adapter::run(&mut command, &jobs(), &folder.path().join("log.txt"), LONG);
-    assert!(matches!(answers.end, End::Crashed(_)));
+    assert_eq!(answers.end, End::Crashed);
 }
 
 /// Classifies the disagreements of the tools `fake` and `other` with `entries`. Both tools have the same disagreements.
+/// Returns the tallies, and the errors.
 #[cfg(unix)]
-fn classify(entries: &str) -> Classification {
+fn classify(entries: &str) -> (BTreeMap<String, Tally>, Vec<String>) {
     let known: Known = toml::from_str(entries).expect("entries");
-    let both = ["fake", "other"].map(|name| (name.to_owned(), tally("validator", ANSWERS)));
-    known.classify(&BTreeMap::from(both))
+    let mut tallies =
+        BTreeMap::from(["fake", "other"].map(|name| (name.to_owned(), tally("validator", ANSWERS))));
+    let errors = known.classify(&mut tallies);
+    (tallies, errors)
 }
 
 fn entry(id: &str, tools: &str, does: &str, places: &str) -> String {
@@ -186,12 +180,11 @@ fn every_disagreement_must_be_explained() {
     let takes = entry("speed", both, "takes", r#"["demo/*#speed-*"]"#);
     let fails = entry("length", both, "fails", r#"["demo/Wind#storm"]"#);
     let schema = entry("references", r#"["other"]"#, "refuses-schema", r#"["demo/Mark"]"#);
-    let classification = classify(&[takes, fails, schema].concat());
-    assert_eq!(classification.stale, Vec::<String>::new());
-    let left: Vec<_> =
-        classification.unexplained.iter().map(|(tool, found)| (tool.as_str(), found.len())).collect();
-    assert_eq!(left, [("fake", 1)]);
-    assert_eq!(classification.explained["other"]["references"], 1);
+    let (tallies, errors) = classify(&[takes, fails, schema].concat());
+    assert_eq!(errors, Vec::<String>::new());
+    let left: Vec<usize> = tallies.values().map(|tally| tally.disagreements.len()).collect();
+    assert_eq!(left, [1, 0]);
+    assert_eq!(tallies["other"].record.explained["references"], 1);
 }
 
 #[test]
@@ -199,32 +192,29 @@ fn every_disagreement_must_be_explained() {
 fn an_unused_explanation_is_an_error() {
     let unused = entry("speed", r#"["fake"]"#, "refuses", r#"["demo/*#speed-*"]"#);
     assert_eq!(
-        classify(&unused).stale,
+        classify(&unused).1,
         ["`speed` matches no disagreement of fake", "`speed`: `demo/*#speed-*` matches no disagreement"]
     );
     let wide = entry("speed", r#"["fake"]"#, "takes", r#"["demo/*#speed-*", "demo/*#height-*"]"#);
-    assert_eq!(classify(&wide).stale, ["`speed`: `demo/*#height-*` matches no disagreement"]);
+    assert_eq!(classify(&wide).1, ["`speed`: `demo/*#height-*` matches no disagreement"]);
     // The first entry hides the second one.
     let second = entry("again", r#"["fake"]"#, "takes", r#"["demo/Wind#*"]"#);
-    assert_eq!(classify(&[wide.replace(", \"demo/*#height-*\"", ""), second].concat()).stale.len(), 2);
+    assert_eq!(classify(&[wide.replace(", \"demo/*#height-*\"", ""), second].concat()).1.len(), 2);
     let elsewhere = entry("speed", r#"["fake"]"#, "takes", r#"["demo/*"]"#)
         .replace("places", "form = \"bundle\"\nplaces");
-    assert_eq!(classify(&elsewhere).stale.len(), 2);
+    assert_eq!(classify(&elsewhere).1.len(), 2);
     // Entries of tools that didn't run are not checked.
-    assert_eq!(classify(&unused.replace("\"fake\"", "\"absent\"")).stale, Vec::<String>::new());
+    assert_eq!(classify(&unused.replace("\"fake\"", "\"absent\"")).1, Vec::<String>::new());
 }
 
 #[test]
 fn all_errors_in_the_list_are_reported() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let path = folder.path().join("disagreements.toml");
-    let text =
-        [entry("a", r#"["fake", "unknown"]"#, "takes", r#"["{"]"#), entry("a", "[]", "takes", "[]")].concat();
-    fs::write(&path, text).expect("a file");
-    let error = Known::read(&path, &BTreeSet::from(["fake"])).expect_err("errors");
-    for part in ["duplicate entry `a`", "unknown tool `unknown`", "`a`: error parsing glob"] {
-        assert!(error.contains(part), "{error}");
-    }
+    let parse = |entries: &[String]| Known::parse(&entries.concat(), &BTreeSet::from(["fake"]));
+    let error =
+        parse(&[entry("a", r#"["fake", "unknown"]"#, "takes", "[]"), entry("a", "[]", "takes", "[]")]);
+    assert_eq!(error.expect_err("errors"), "`a`: unknown tool `unknown`; duplicate entry `a`");
+    let error = parse(&[entry("a", "[]", "takes", r#"["{"]"#)]).expect_err("an error");
+    assert!(error.contains("error parsing glob"), "{error}");
 }
 
 #[test]
@@ -302,11 +292,11 @@ fn the_page_shows_the_recorded_results() {
         toml::from_str(&entry("speed", r#"["fake", "other"]"#, "takes", r#"["demo/*#speed-*"]"#))
             .expect("an entry");
     let tools = [tool("validator", "")];
-    let found = tally("validator", ANSWERS);
-    let classification = known.classify(&BTreeMap::from([("fake".to_owned(), tally("validator", ANSWERS))]));
     let mut record = Record::default();
     assert!(page::text(&tools, &known, &record).contains("fake (not run), other (not run)"));
-    record.set("fake", &found, classification.explained["fake"].clone());
+    let mut tallies = BTreeMap::from([("fake".to_owned(), tally("validator", ANSWERS))]);
+    known.classify(&mut tallies);
+    record.tools.extend(tallies.into_iter().map(|(name, tally)| (name, tally.record)));
     let page = page::text(&tools, &known, &record);
     for part in ["| fake 1.2.3 | sh | 7 | 1 of 4 (1 of 2 schemas) |", "fake (1), other (not run)"] {
         assert!(page.contains(part), "{page}");
@@ -317,24 +307,22 @@ fn the_page_shows_the_recorded_results() {
 
 #[test]
 fn the_documentation_page_matches_the_record() {
-    let paths = Paths::new();
-    let tools = tool::read(&paths.source().join("tools.toml")).expect("tools");
-    let names = tools.iter().map(|tool| tool.name.as_str()).collect();
-    let known = Known::read(&paths.source().join("disagreements.toml"), &names).expect("entries");
-    let record = Record::read(&paths.record()).expect("a record");
-    let read = |path: &Path| fs::read_to_string(path).expect("a file");
+    let (tools, known) = configuration().expect("the tools and entries");
+    let record: Record = job::parse(&repository().join(RECORD)).expect("a record");
+    let expected = page::text(&tools, &known, &record);
     if std::env::var_os("UAVSPEC_UPDATE_FIXTURES").is_some() {
-        fs::write(paths.page(), page::text(&tools, &known, &record)).expect("a written page");
+        fs::write(repository().join(PAGE), &expected).expect("a written page");
     }
+    let read = |path: &str| fs::read_to_string(repository().join(path)).expect("a file");
     let advice = "run `cargo xtask interop`. If only texts changed: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p xtask interop`";
-    assert!(read(&paths.page()) == page::text(&tools, &known, &record), "{advice}");
-    assert!(read(&paths.contents()) == page::CONTENTS, "{advice}");
+    assert!(read(PAGE) == expected, "{advice}");
+    assert!(read(CONTENTS) == page::CONTENTS, "{advice}");
     assert!(tools.iter().all(|tool| record.tools.contains_key(&tool.name)), "{advice}");
 }
 
 #[test]
 fn lock_files_contain_no_hosts() {
-    let source = canonical(&Paths::new().source()).expect("a folder");
+    let source = repository().join(SOURCE);
     for path in ["node/package-lock.json", "python/requirements.txt"] {
         let text = fs::read_to_string(source.join(path)).expect("a lock file");
         assert!(!text.contains("\"resolved\"") && !text.contains("index-url"), "{path}");

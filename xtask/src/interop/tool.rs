@@ -1,11 +1,15 @@
 //! The list of tools in `xtask/interop/tools.toml`.
 
-use std::collections::BTreeSet;
-use std::path::Path;
-
 use serde::Deserialize;
 
 use super::job::Form;
+
+/// The content of the file.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Tools {
+    pub(super) tool: Vec<Tool>,
+}
 
 /// A tool that supports JSON Schema.
 #[derive(Debug, Deserialize)]
@@ -17,7 +21,8 @@ pub(super) struct Tool {
     pub(super) language: String,
     /// The latest supported draft of JSON Schema.
     pub(super) draft: String,
-    pub(super) environment: Environment,
+    /// The environment of the adapter, as in `environment.sh`.
+    pub(super) environment: String,
     /// The adapter: a file in the environment's folder, or a package of the Rust workspace.
     pub(super) adapter: String,
     /// The supported form of schemas; `None` if the tool supports both forms.
@@ -37,33 +42,4 @@ pub(super) enum Kind {
     Validator,
     /// Generates code that reads valid instances.
     Generator,
-}
-
-/// The environment of an adapter.
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, PartialOrd, Ord)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum Environment {
-    Node,
-    Python,
-    Rust,
-    Cpp,
-    Perl,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Table {
-    tool: Vec<Tool>,
-}
-
-/// Reads the list.
-pub(super) fn read(path: &Path) -> Result<Vec<Tool>, String> {
-    let at = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
-    let text = std::fs::read_to_string(path).map_err(|error| at(&error))?;
-    let Table { tool: tools } = toml::from_str(&text).map_err(|error| at(&error))?;
-    let mut names = BTreeSet::new();
-    match tools.iter().find(|tool| !names.insert(&tool.name)) {
-        Some(tool) => Err(at(&format!("duplicate tool `{}`", tool.name))),
-        None => Ok(tools),
-    }
 }
