@@ -195,14 +195,7 @@ mod tests {
 
     #[test]
     fn the_stored_releases_are_those_of_px4() {
-        let default = repository().join("../shared/corpus");
-        let corpus = std::env::var_os("UAVSPEC_CORPUS").map_or(default, PathBuf::from).join("px4");
-        if !corpus.exists() {
-            let is_required = std::env::var_os("UAVSPEC_REQUIRE_CORPUS").is_some_and(|value| value != "0");
-            assert!(!is_required, "{} is required but absent", corpus.display());
-            eprintln!("skipped: the corpus is absent; set UAVSPEC_CORPUS to its path");
-            return;
-        }
+        let Some(corpus) = uavspec_test_definitions::shared("corpus/px4") else { return };
         for (family, name) in releases(&repository().join(FOLDER)).expect("releases") {
             let folder = corpus.join(&name);
             if family == Family::Px4 && folder.exists() {

@@ -1,31 +1,14 @@
 //! Tests of baselines, for `lint` and `breaking`.
 
-use std::fs;
-use std::path::Path;
-
-use support::{write, xtask};
+use support::{CONFIG, read, run, write};
 use tempfile::TempDir;
 
 use crate::support;
 
-const CONFIG: &str = "[[package]]\nname = \"demo\"\ndialect = \"px4\"\ninclude = [\"msg/*.msg\"]\n";
 const WIND: &str = "# Wind over ground\n\nuint64 timestamp  # [us] Since start\nfloat32 speed  # Speed\nfloat32 gust  # Strongest wind\n";
 
 fn workspace() -> TempDir {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    write(&folder, "uavspec.toml", CONFIG);
-    write(&folder, "msg/Wind.msg", WIND);
-    folder
-}
-
-/// Runs a command and returns the standard output and the standard error.
-#[track_caller]
-fn run(folder: impl AsRef<Path>, arguments: &[&str], status: i32) -> (String, String) {
-    let output = xtask(folder, arguments);
-    let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
-    let (results, messages) = (text(output.stdout), text(output.stderr));
-    assert_eq!(output.status.code(), Some(status), "{arguments:?}: {results}{messages}");
-    (results, messages)
+    support::workspace(&[("uavspec.toml", CONFIG), ("msg/Wind.msg", WIND)])
 }
 
 #[track_caller]
@@ -34,7 +17,7 @@ fn lint(folder: &TempDir, arguments: &[&str], status: i32) -> (String, String) {
 }
 
 fn known(folder: &TempDir) -> String {
-    fs::read_to_string(folder.path().join("known.toml")).expect("a list")
+    read(folder, "known.toml")
 }
 
 #[test]
@@ -174,7 +157,7 @@ fn findings_in_other_lists_are_not_written() {
     write(&folder, "msg/Wind.msg", &WIND.replace("speed", "calm"));
     let (_, messages) = lint(&folder, &["--baseline", "speed.toml", "--write-baseline", "known.toml"], 4);
     assert!(messages.contains("speed.toml:3:11") && known(&folder).contains("demo/Wind.calm"), "{messages}");
-    assert_eq!(fs::read_to_string(folder.path().join("speed.toml")).expect("a list"), entry);
+    assert_eq!(read(&folder, "speed.toml"), entry);
 }
 
 #[test]

@@ -5,12 +5,11 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use serde_json::Value as Json;
-use support::{write, xtask};
+use support::{CONFIG, write, xtask};
 use tempfile::TempDir;
 
 use crate::support;
 
-const CONFIG: &str = "[[package]]\nname = \"demo\"\ndialect = \"px4\"\ninclude = [\"msg/*.msg\"]\n";
 const WIND: &str =
     "# Wind over ground\n\nuint64 timestamp  # [us] Since start\nfloat32 speed     # [m/s] Speed\n";
 const CALM: &str = "# Wind over ground\n\nuint64 timestamp  # [us] Since start\n";

@@ -1,12 +1,11 @@
 //! Tests of the command line: exit status, messages and file changes.
 
 use std::fs;
-use std::path::Path;
 use std::process::Command;
 
 use quick_junit::{Report as Junit, TestCase, TestCaseStatus};
 use serde_json::Value as Json;
-use support::{write, xtask};
+use support::{read, tree, write, xtask};
 use tempfile::TempDir;
 
 use crate::support;
@@ -28,38 +27,13 @@ const GUST: &str = "uint64 timestamp  # [us] Since start\nWind peak  # The stron
 
 /// A workspace with two messages.
 fn workspace() -> TempDir {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    write(&folder, "uavspec.toml", CONFIG);
-    write(&folder, "msg/Wind.msg", WIND);
-    write(&folder, "msg/Gust.msg", GUST);
-    folder
+    support::workspace(&[("uavspec.toml", CONFIG), ("msg/Wind.msg", WIND), ("msg/Gust.msg", GUST)])
 }
 
+/// Runs a command and returns the messages on standard error.
 #[track_caller]
 fn run(folder: &TempDir, arguments: &[&str], status: i32) -> String {
-    let output = xtask(folder.path(), arguments);
-    let errors = String::from_utf8(output.stderr).expect("UTF-8");
-    assert_eq!(output.status.code(), Some(status), "{arguments:?}\n{errors}");
-    errors
-}
-
-/// All files in a folder, with their content.
-fn tree(folder: &Path) -> Vec<(String, Vec<u8>)> {
-    let mut files = Vec::new();
-    let mut open = vec![folder.to_path_buf()];
-    while let Some(at) = open.pop() {
-        for entry in fs::read_dir(&at).expect("a folder") {
-            let path = entry.expect("an entry").path();
-            if path.is_dir() {
-                open.push(path);
-            } else {
-                let name = path.strip_prefix(folder).expect("below").to_string_lossy().into_owned();
-                files.push((name, fs::read(&path).expect("a file")));
-            }
-        }
-    }
-    files.sort();
-    files
+    support::run(folder, arguments, status).1
 }
 
 #[test]
@@ -90,11 +64,11 @@ fn generates_checks_and_writes_only_what_changed() {
 fn works_from_any_subfolder_with_the_same_output() {
     let folder = workspace();
     run(&folder, &["codegen"], 0);
-    let first = tree(&folder.path().join("out"));
+    let first = tree(folder.path().join("out"));
     fs::remove_dir_all(folder.path().join("out")).expect("removed");
     let output = xtask(folder.path().join("msg"), &["codegen"]);
     assert!(output.status.success());
-    assert_eq!(tree(&folder.path().join("out")), first);
+    assert_eq!(tree(folder.path().join("out")), first);
 }
 
 #[test]
@@ -110,7 +84,7 @@ fn generates_typescript_and_python() {
     run(&folder, &["codegen", "--check"], 0);
     write(&folder, "uavspec.toml", &CONFIG.replace("[output]\n", "[output]\ntypescript = \"out/node\"\n"));
     run(&folder, &["codegen"], 0);
-    assert_eq!(tree(&folder.path().join("out/node")).len(), 3, "two modules and the manifest");
+    assert_eq!(tree(folder.path().join("out/node")).len(), 3, "two modules and the manifest");
     let arguments = ["--package", "demo", "--dialect", "px4", "--input", "msg", "--out", "other"];
     run(&folder, &[&["codegen", "--emit", "typescript,python"], &arguments[..]].concat(), 0);
     assert!(folder.path().join("other/typescript/demo.ts").exists());
@@ -129,8 +103,8 @@ fn removes_orphans_but_never_user_files() {
     run(&folder, &["codegen"], 0);
     assert!(!folder.path().join("out/rust/demo/gust.rs").exists());
     assert!(folder.path().join("out/rust/demo/wind.rs").exists());
-    assert_eq!(fs::read_to_string(folder.path().join("out/rust/demo/mine.rs")).expect("a file"), "// mine\n");
-    assert_eq!(fs::read_to_string(folder.path().join("out/docs/notes.md")).expect("a file"), "mine\n");
+    assert_eq!(read(&folder, "out/rust/demo/mine.rs"), "// mine\n");
+    assert_eq!(read(&folder, "out/docs/notes.md"), "mine\n");
 }
 
 #[test]
@@ -139,7 +113,7 @@ fn a_conflicting_user_file_is_an_error_and_nothing_is_written() {
     write(&folder, "out/rust/demo/wind.rs", "// mine\n");
     let errors = run(&folder, &["codegen"], 2);
     assert!(errors.contains("was not generated") && errors.contains("help: "), "{errors}");
-    assert_eq!(tree(&folder.path().join("out")), [("rust/demo/wind.rs".to_owned(), b"// mine\n".to_vec())]);
+    assert_eq!(tree(folder.path().join("out")), [("rust/demo/wind.rs".to_owned(), b"// mine\n".to_vec())]);
 }
 
 #[test]
@@ -165,7 +139,7 @@ fn rejects_links_in_the_output_folder() {
         .expect("a link");
     let errors = run(&folder, &["codegen"], 2);
     assert!(errors.contains("is a symbolic link"), "{errors}");
-    assert!(tree(&folder.path().join("elsewhere")).is_empty());
+    assert!(tree(folder.path().join("elsewhere")).is_empty());
 }
 
 #[test]
@@ -387,7 +361,7 @@ fn the_table_of_contents_includes_additional_pages() {
     write(&folder, "more.md", "- [Flights](flights.md)\n");
     write(&folder, "out/docs/flights.md", "# Flights\n");
     run(&folder, &["codegen"], 0);
-    let summary = fs::read_to_string(folder.path().join("out/docs/SUMMARY.md")).expect("a table of contents");
+    let summary = read(&folder, "out/docs/SUMMARY.md");
     assert!(summary.ends_with("- [Flights](flights.md)\n"), "{summary}");
     run(&folder, &["codegen", "--check"], 0);
     assert!(folder.path().join("out/docs/flights.md").exists(), "additional pages are preserved");
@@ -426,12 +400,12 @@ fn fmt_writes_only_changed_files() {
     let written = time();
     let errors = run(&folder, &["fmt"], 0);
     assert!(errors.contains("fmt: 3 files read, 2 formatted ("), "{errors}");
-    assert_eq!(fs::read_to_string(folder.path().join("msg/Mode.msg")).expect("a file"), TIDY);
+    assert_eq!(read(&folder, "msg/Mode.msg"), TIDY);
     let errors = run(&folder, &["fmt"], 0);
     assert!(errors.contains("fmt: 3 files read, 0 formatted ("), "{errors}");
     assert_eq!(time(), written, "a formatted file is not written");
     run(&folder, &["fmt", "--check"], 0);
-    assert_eq!(tree(&folder.path().join("msg")).len(), 3, "no temporary files remain");
+    assert_eq!(tree(folder.path().join("msg")).len(), 3, "no temporary files remain");
 }
 
 #[test]
@@ -470,8 +444,8 @@ fn fmt_skips_files_with_errors_and_formats_the_others() {
     ] {
         assert!(errors.contains(expected), "{expected} is missing in\n{errors}");
     }
-    assert_eq!(fs::read_to_string(folder.path().join("msg/Wind.msg")).expect("a file"), invalid);
-    let laid_out = fs::read_to_string(folder.path().join("msg/Gust.msg")).expect("a file");
+    assert_eq!(read(&folder, "msg/Wind.msg"), invalid);
+    let laid_out = read(&folder, "msg/Gust.msg");
     assert_eq!(laid_out, "uint8 a\nNowhere b\n", "unknown types don't matter");
 }
 
@@ -511,7 +485,7 @@ fn fmt_preserves_permissions_and_links() {
     fs::set_permissions(&gust, fs::Permissions::from_mode(0o440)).expect("permissions");
     let errors = run(&folder, &["fmt"], 2);
     assert!(errors.contains("msg/Gust.msg: the file is read-only") && errors.contains("help: "), "{errors}");
-    let wind = fs::read_to_string(folder.path().join("msg/Wind.msg")).expect("a file");
+    let wind = read(&folder, "msg/Wind.msg");
     assert_eq!(wind, "uint8   a\n", "all files or none");
 }
 

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use serde_json::Value as Json;
+use uavspec_test_definitions::shared;
 
 /// A crate with generated code, in a folder that persists between runs.
 struct Crate {
@@ -82,19 +83,6 @@ const FEATURES: &str = "uavspec-runtime/defmt,uavspec-runtime/proptest,uavspec-r
 
 fn repository() -> PathBuf {
     fs::canonicalize(Path::new(env!("CARGO_MANIFEST_DIR")).join("..")).expect("the repository")
-}
-
-fn shared(path: &str) -> Option<PathBuf> {
-    let corpus = std::env::var_os("UAVSPEC_CORPUS")
-        .map_or_else(|| repository().join("../shared/corpus"), PathBuf::from);
-    let found = corpus.parent()?.join(path);
-    if found.exists() {
-        return Some(fs::canonicalize(found).expect("a path"));
-    }
-    let is_required = std::env::var_os("UAVSPEC_REQUIRE_CORPUS").is_some_and(|value| value != "0");
-    assert!(!is_required, "{} is required but absent", found.display());
-    eprintln!("skipped: {path} is absent; set UAVSPEC_CORPUS to the path of the corpus");
-    None
 }
 
 #[test]
@@ -205,6 +193,7 @@ fn conflicting_names_compile_with_any_features() {
 #[ignore = "slow"]
 fn the_whole_corpus_compiles() {
     let Some(corpus) = shared("corpus") else { return };
+    let corpus = fs::canonicalize(corpus).expect("a path");
     let package = Crate::new("whole-corpus");
     let mut packages = String::new();
     for (name, release) in [("px4", "main"), ("px4_16", "1.16"), ("px4_15", "1.15")] {

@@ -1,8 +1,9 @@
 //! Tests of conversions in `uavspec.toml`: the configuration, `codegen` and `lint`.
 
-use std::fs;
-use std::path::Path;
-use std::process::Command;
+use support::{read, write};
+use tempfile::TempDir;
+
+use crate::support;
 
 const PACKAGES: &str = "[output]\nrust = \"src\"\n\n\
     [[package]]\nname = \"old\"\ndialect = \"px4\"\ninclude = [\"old/*.msg\"]\n\n\
@@ -13,75 +14,63 @@ const CONVERSION: &str = "[[conversion]]\nfrom = \"old\"\nto = \"new\"\nhints = 
 
 const NARROW: &str = "[[hint]]\nmessage = \"Wind\"\nnarrow = { speed = \"nearest\" }\n";
 
-fn workspace(conversion: &str, hints: &str) -> tempfile::TempDir {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let write = |path: &str, text: &str| {
-        let path = folder.path().join(path);
-        fs::create_dir_all(path.parent().expect("a parent")).expect("a folder");
-        fs::write(path, text).expect("a file");
-    };
-    write("uavspec.toml", &format!("{PACKAGES}{conversion}"));
-    write("old/Wind.msg", "# Wind\n\nfloat64 speed  # [m/s] Speed\n");
-    write("new/Wind.msg", "# Wind\n\nfloat32 speed  # [m/s] Speed\n");
-    write("old/Calm.msg", "# Calm\n\nbool is_calm  # True if calm\n");
-    write("new/Calm.msg", "# Calm\n\nbool is_calm  # True if calm\n");
-    write(
-        "pages/page.md",
-        "# Warnings (codes 64-127)\n\n| Code | Abbr | Description |\n|---|---|---|\n| 64 | A | First |\n",
-    );
-    write("hints.toml", hints);
-    folder
+fn workspace(conversion: &str, hints: &str) -> TempDir {
+    support::workspace(&[
+        ("uavspec.toml", &format!("{PACKAGES}{conversion}")),
+        ("old/Wind.msg", "# Wind\n\nfloat64 speed  # [m/s] Speed\n"),
+        ("new/Wind.msg", "# Wind\n\nfloat32 speed  # [m/s] Speed\n"),
+        ("old/Calm.msg", "# Calm\n\nbool is_calm  # True if calm\n"),
+        ("new/Calm.msg", "# Calm\n\nbool is_calm  # True if calm\n"),
+        (
+            "pages/page.md",
+            "# Warnings (codes 64-127)\n\n| Code | Abbr | Description |\n|---|---|---|\n| 64 | A | First |\n",
+        ),
+        ("hints.toml", hints),
+    ])
 }
 
 /// The output of a command and its errors.
 #[track_caller]
-fn run(folder: &Path, arguments: &[&str], status: i32) -> String {
-    let output = Command::new(env!("CARGO_BIN_EXE_xtask"))
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .expect("xtask runs");
-    let printed = String::from_utf8([output.stdout, output.stderr].concat()).expect("UTF-8");
-    assert_eq!(output.status.code(), Some(status), "{arguments:?}: {printed}");
-    printed
+fn run(folder: &TempDir, arguments: &[&str], status: i32) -> String {
+    let (printed, errors) = support::run(folder, arguments, status);
+    printed + &errors
 }
 
 #[test]
 fn generates_conversions_only_for_decided_messages() {
     let folder = workspace(CONVERSION, "");
-    run(folder.path(), &["codegen"], 0);
-    let generated = folder.path().join("src/conversions/old_to_new.rs");
-    let text = fs::read_to_string(&generated).expect("a file");
+    run(&folder, &["codegen"], 0);
+    let text = read(&folder, "src/conversions/old_to_new.rs");
     assert!(text.contains("From<&old::Calm> for new::Calm") && !text.contains("for new::Wind"), "{text}");
     assert!(text.contains("neither the definitions nor hints decide all parts: `Wind`."), "{text}");
-    let back = fs::read_to_string(folder.path().join("src/conversions/new_to_old.rs")).expect("a file");
+    let back = read(&folder, "src/conversions/new_to_old.rs");
     assert!(back.contains("From<&new::Wind> for old::Wind"), "{back}");
-    fs::write(folder.path().join("hints.toml"), NARROW).expect("a file");
-    assert!(run(folder.path(), &["codegen", "--check"], 1).contains("old_to_new.rs"));
-    run(folder.path(), &["codegen"], 0);
-    let text = fs::read_to_string(&generated).expect("a file");
+    write(&folder, "hints.toml", NARROW);
+    assert!(run(&folder, &["codegen", "--check"], 1).contains("old_to_new.rs"));
+    run(&folder, &["codegen"], 0);
+    let text = read(&folder, "src/conversions/old_to_new.rs");
     assert!(text.contains("- `speed` is converted to a type with fewer values"), "{text}");
 }
 
 #[test]
 fn output_without_conversions_has_no_module_for_them() {
     let folder = workspace("", "");
-    run(folder.path(), &["codegen"], 0);
+    run(&folder, &["codegen"], 0);
     assert!(!folder.path().join("src/conversions.rs").exists());
-    let root = fs::read_to_string(folder.path().join("src/mod.rs")).expect("a file");
+    let root = read(&folder, "src/mod.rs");
     assert!(!root.contains("conversions"), "{root}");
 }
 
 #[test]
 fn lint_reports_undecided_parts_and_unused_hints() {
     let folder = workspace(CONVERSION, "");
-    let printed = run(folder.path(), &["lint"], 0);
+    let printed = run(&folder, &["lint"], 0);
     assert!(printed.contains("warning[conversion-undecided]: `Wind.speed` has a narrower type"), "{printed}");
     let ignore = "[[lint.ignore]]\nrule = \"conversion-undecided\"\npath = \"new/*\"\nreason = \"later\"\n";
-    fs::write(folder.path().join("uavspec.toml"), format!("{PACKAGES}{CONVERSION}{ignore}")).expect("a file");
-    assert!(!run(folder.path(), &["lint"], 0).contains("[conversion-undecided]"));
+    write(&folder, "uavspec.toml", &format!("{PACKAGES}{CONVERSION}{ignore}"));
+    assert!(!run(&folder, &["lint"], 0).contains("[conversion-undecided]"));
     let folder = workspace(CONVERSION, &NARROW.replace("speed", "gust"));
-    let printed = run(folder.path(), &["lint"], 0);
+    let printed = run(&folder, &["lint"], 0);
     let expected = "note[hint-unused]: neither message has a field or a constant `gust`";
     assert!(printed.contains(expected) && printed.contains("hints.toml:3:12"), "{printed}");
 }
@@ -90,10 +79,10 @@ fn lint_reports_undecided_parts_and_unused_hints() {
 fn mistakes_in_hints_are_errors() {
     let hints = "[[hint]]\nmesage = \"Wind\"\n";
     let folder = workspace(CONVERSION, hints);
-    let printed = run(folder.path(), &["lint"], 1);
+    let printed = run(&folder, &["lint"], 1);
     assert!(printed.contains("error[hint-invalid]: unknown key `mesage` in a hint"), "{printed}");
     assert!(printed.contains("did you mean `message`?"), "{printed}");
-    let printed = run(folder.path(), &["codegen"], 2);
+    let printed = run(&folder, &["codegen"], 2);
     assert!(printed.contains("the hints contain errors") && printed.contains("hints.toml:2:1"), "{printed}");
     assert!(!folder.path().join("src").exists());
 }
@@ -115,7 +104,7 @@ fn mistakes_in_the_configuration_are_errors_with_locations() {
     ] {
         let folder = workspace(&format!("[[conversion]]\n{conversion}\n"), "");
         for command in ["codegen", "lint"] {
-            let printed = run(folder.path(), &[command], 2);
+            let printed = run(&folder, &[command], 2);
             assert!(printed.contains(expected), "{printed}");
         }
     }

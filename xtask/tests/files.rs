@@ -1,14 +1,10 @@
 //! Tests of commands that are limited to some files, and of report files.
 
-use std::fs;
-
 use serde_json::Value as Json;
-use support::{write, xtask};
+use support::{CONFIG, read, run, write};
 use tempfile::TempDir;
 
 use crate::support;
-
-const CONFIG: &str = "[[package]]\nname = \"demo\"\ndialect = \"px4\"\ninclude = [\"msg/*.msg\"]\n";
 
 const WIND: &str = "# Wind\n\nuint64 timestamp # [us] Time\nfloat32   speed # Speed\n";
 
@@ -17,26 +13,8 @@ const GUST: &str =
     "# Gust\n\nuint64 timestamp # [us] Time\nWind   peak # Peak\nfloat32 duration # Duration\n";
 
 fn workspace() -> TempDir {
-    let folder = tempfile::tempdir().expect("a folder");
-    write(&folder, "uavspec.toml", CONFIG);
-    write(&folder, "msg/Wind.msg", WIND);
-    write(&folder, "msg/Gust.msg", GUST);
-    write(&folder, "other/Odd.msg", "uint8   odd\n");
-    folder
-}
-
-/// Runs a command, and returns standard output and standard error.
-#[track_caller]
-fn run(folder: &TempDir, arguments: &[&str], status: i32) -> (String, String) {
-    let output = xtask(folder.path(), arguments);
-    let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
-    let (printed, errors) = (text(output.stdout), text(output.stderr));
-    assert_eq!(output.status.code(), Some(status), "{arguments:?}\n{printed}{errors}");
-    (printed, errors)
-}
-
-fn read(folder: &TempDir, path: &str) -> String {
-    fs::read_to_string(folder.path().join(path)).expect("a file")
+    let odd = ("other/Odd.msg", "uint8   odd\n");
+    support::workspace(&[("uavspec.toml", CONFIG), ("msg/Wind.msg", WIND), ("msg/Gust.msg", GUST), odd])
 }
 
 #[test]

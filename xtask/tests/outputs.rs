@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use support::{write, xtask};
+use support::{tree, write, xtask};
 use tempfile::TempDir;
 use uavspec_schema::stage::Stage;
 
@@ -20,33 +20,14 @@ fn config(include: &str, output: &str) -> String {
 }
 
 fn workspace() -> TempDir {
-    let folder = tempfile::tempdir().expect("a folder");
-    write(&folder, "work/msg/Wind.msg", WIND);
-    write(&folder, "work/uavspec.toml", &config("msg/*.msg", "json_schema = \"out\""));
-    folder
+    let config = config("msg/*.msg", "json_schema = \"out\"");
+    support::workspace(&[("work/msg/Wind.msg", WIND), ("work/uavspec.toml", &config)])
 }
 
 /// Runs a command in the folder `work`. Returns the exit status and standard error.
 fn run(folder: &TempDir, arguments: &[&str]) -> (Option<i32>, String) {
     let output = xtask(folder.path().join("work"), arguments);
     (output.status.code(), String::from_utf8(output.stderr).expect("UTF-8"))
-}
-
-/// The paths of all files and folders, with the content of the files.
-fn tree(folder: &Path) -> Vec<(String, Vec<u8>)> {
-    let mut found = Vec::new();
-    let mut open = vec![folder.to_path_buf()];
-    while let Some(at) = open.pop() {
-        for entry in fs::read_dir(&at).expect("a folder") {
-            let path = entry.expect("an entry").path();
-            found.push((path.display().to_string(), fs::read(&path).unwrap_or_default()));
-            if path.is_dir() && !path.is_symlink() {
-                open.push(path);
-            }
-        }
-    }
-    found.sort();
-    found
 }
 
 #[test]
@@ -99,7 +80,7 @@ fn fmt_removes_what_a_killed_run_left() {
     write(&msg, "Wind.msg", "uint64   timestamp # [us] Since start\n");
     abandon(&msg);
     assert_eq!(run(&folder, &["fmt"]).0, Some(0));
-    assert_eq!(tree(&msg), [(msg.join("Wind.msg").display().to_string(), WIND.as_bytes().to_vec())]);
+    assert_eq!(tree(&msg), [("Wind.msg".to_owned(), WIND.as_bytes().to_vec())]);
 }
 
 #[test]
@@ -126,7 +107,7 @@ fn concurrent_runs_leave_the_output_of_one_of_them() {
         let current =
             ["one.toml", "two.toml"].map(|config| run(&folder, &["codegen", "--check", "--config", config]));
         assert!(current.iter().any(|(status, _)| *status == Some(0)), "{current:?}");
-        let files = tree(&work.join("out"));
+        let files = tree(work.join("out"));
         let has = |part: &str| files.iter().any(|(path, _)| path.contains(part));
         assert!(has("/One") != has("/Two") && !has(".uavspec-stage"), "{files:?}");
     }
@@ -178,7 +159,7 @@ fn follows_no_links_inside_the_output_folder() {
         assert_eq!(status, Some(2), "{printed}");
         fs::remove_file(at(link)).expect("a link");
     }
-    assert_eq!(tree(&at("elsewhere")).len(), 1);
+    assert_eq!(tree(at("elsewhere")).len(), 1);
     // The output folder itself may be a link.
     fs::remove_dir(at("work/out")).expect("an empty folder");
     symlink(at("elsewhere"), at("work/out")).expect("a link");

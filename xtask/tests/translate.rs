@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use support::{write, xtask};
+use support::{read, write};
 use tempfile::TempDir;
 
 use crate::support;
@@ -27,31 +27,13 @@ const WIND: &str =
 const GUST: &str = "# A gust\n\nuint64 timestamp  # [us] Since start\n";
 
 fn workspace() -> TempDir {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    write(&folder, "uavspec.toml", CONFIG);
-    write(&folder, "msg/Wind.msg", WIND);
-    write(&folder, "msg/Gust.msg", GUST);
-    folder
-}
-
-fn read(folder: &TempDir, path: &str) -> String {
-    fs::read_to_string(folder.path().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
+    support::workspace(&[("uavspec.toml", CONFIG), ("msg/Wind.msg", WIND), ("msg/Gust.msg", GUST)])
 }
 
 /// Runs a command and returns the messages on standard error.
 #[track_caller]
 fn run(folder: &TempDir, arguments: &[&str], status: i32) -> String {
-    output(folder, arguments, status).1
-}
-
-/// Runs a command and returns the standard output and the standard error.
-#[track_caller]
-fn output(folder: &TempDir, arguments: &[&str], status: i32) -> (String, String) {
-    let output = xtask(folder.path(), arguments);
-    let [results, errors] =
-        [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).expect("UTF-8"));
-    assert_eq!(output.status.code(), Some(status), "{arguments:?}\n{results}{errors}");
-    (results, errors)
+    support::run(folder, arguments, status).1
 }
 
 #[test]
@@ -87,7 +69,7 @@ fn creates_and_updates_a_catalogue() {
         "msg/Wind.msg",
         &WIND.replace("Speed", "Speed over ground").replace("# Wind over ground\n\n", ""),
     );
-    let (results, _) = output(&folder, &["lint"], 0);
+    let (results, _) = support::run(&folder, &["lint"], 0);
     assert!(
         results.contains("warning[translation-stale]") && results.contains("warning[unknown-translation]"),
         "{results}"
@@ -132,7 +114,7 @@ fn levels_of_translation_rules_are_configurable() {
             "uavspec.toml",
             &format!("{CONFIG}\n[lint.levels]\ntranslation-missing = \"off\"\n{more}"),
         );
-        output(&folder, &["lint"], status).0
+        support::run(&folder, &["lint"], status).0
     };
     let errors = lint("translation-stale = \"error\"\n", 1);
     assert!(

@@ -5,6 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
+use uavspec_test_definitions::shared;
 
 use super::labels;
 use super::tools::{node_tool, python_with_tools, repository, run, write, xtask};
@@ -65,7 +66,7 @@ fn definitions(own: &Path) -> Vec<(String, &'static str, PathBuf)> {
     ] {
         found.push((name.replace('-', "_"), dialect, fixtures.join(name)));
     }
-    if let Some(corpus) = corpus() {
+    if let Some(corpus) = shared("corpus") {
         for (name, dialect, path) in
             [("px4_main", "px4", "px4/main"), ("px4_old", "px4", "px4/1.15"), ("ros", "ros2", "ros2")]
         {
@@ -73,19 +74,6 @@ fn definitions(own: &Path) -> Vec<(String, &'static str, PathBuf)> {
         }
     }
     found
-}
-
-/// The corpus of real definitions, if available.
-fn corpus() -> Option<PathBuf> {
-    let default = repository().join("../shared/corpus");
-    let found = std::env::var_os("UAVSPEC_CORPUS").map_or(default, PathBuf::from);
-    if found.exists() {
-        return Some(found);
-    }
-    let is_required = std::env::var_os("UAVSPEC_REQUIRE_CORPUS").is_some_and(|value| value != "0");
-    assert!(!is_required, "{} is required but absent", found.display());
-    eprintln!("skipped: the corpus is absent; set UAVSPEC_CORPUS to its path");
-    None
 }
 
 /// Emits the modules for each set of definitions into a folder named after the set.
