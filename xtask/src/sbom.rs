@@ -65,7 +65,7 @@ fn component(found: &Crate, kind: &str) -> Value {
         "name": found.name,
         "version": found.version,
         "purl": purl,
-        "licenses": [{ "expression": found.license }],
+        "licenses": [{ "expression": found.license() }],
     });
     if let Some(checksum) = &found.checksum {
         component["hashes"] = json!([{ "alg": "SHA-256", "content": checksum }]);
@@ -83,9 +83,7 @@ fn serial_number(text: &str) -> String {
     bytes[6] = bytes[6] & 0x0f | 0x80;
     bytes[8] = bytes[8] & 0x3f | 0x80;
     let hex = data_encoding::HEXLOWER.encode(&bytes);
-    let [first, second, third, fourth, fifth] =
-        [&hex[..8], &hex[8..12], &hex[12..16], &hex[16..20], &hex[20..]];
-    format!("urn:uuid:{first}-{second}-{third}-{fourth}-{fifth}")
+    format!("urn:uuid:{}-{}-{}-{}-{}", &hex[..8], &hex[8..12], &hex[12..16], &hex[16..20], &hex[20..])
 }
 
 #[cfg(test)]

@@ -1,4 +1,8 @@
-//! The licences of all code that is linked into the program and the Python module: crates, their C code, and the libraries of Rust and C.
+//! The licences of all code that is linked into the program and the Python module: crates, their C code, and the libraries
+//! of Rust and C.
+//!
+//! cargo-about (0.9.3) also lists macros, which aren't linked. It leaves out texts that it doesn't recognize, such as the
+//! licence of fiat-crypto in ring, and names no authors of crates without a text. So this module writes the licences.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -6,10 +10,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use serde::Deserialize;
+use walkdir::{DirEntry, WalkDir};
 
 use crate::archive::File;
-use crate::command::{cargo, output};
+use crate::command::output;
 use crate::sbom::Crates;
 
 /// The files with the licences of crates and C code, and with those of Rust's standard library.
@@ -39,20 +43,6 @@ struct Part {
     texts: Vec<String>,
 }
 
-/// The part of the output of `cargo metadata` that names the folders of crates.
-#[derive(Deserialize)]
-struct Metadata {
-    packages: Vec<Package>,
-}
-
-#[derive(Deserialize)]
-struct Package {
-    name: String,
-    version: String,
-    authors: Vec<String>,
-    manifest_path: PathBuf,
-}
-
 /// The files with the licences of third-party code in the program and the Python module for a target of the compiler.
 pub(super) fn third_party(root: &Path, target: &str) -> Result<Vec<File>, String> {
     let documents =
@@ -67,59 +57,40 @@ pub(super) fn third_party(root: &Path, target: &str) -> Result<Vec<File>, String
 
 /// The crates, except those of this project.
 fn crates(root: &Path, target: &str, standard: &Standard) -> Result<Vec<Part>, String> {
-    let mut command = Command::new(cargo());
-    command
-        .args(["metadata", "--locked", "--all-features", "--format-version", "1", "--manifest-path"])
-        .arg(root.join("Cargo.toml"));
-    let metadata: Metadata =
-        serde_json::from_str(&output(&mut command)?).map_err(|error| error.to_string())?;
-    let packages: BTreeMap<(&str, &str), &Package> =
-        metadata.packages.iter().map(|found| ((&*found.name, &*found.version), found)).collect();
     let dependencies = Crates::linked(root, target)?.dependencies;
     let published = dependencies.into_iter().filter(|found| found.checksum.is_some());
     published
         .map(|found| {
-            let name = format!("{} {}", found.name, found.version);
-            let package = packages
-                .get(&(&*found.name, &*found.version))
-                .ok_or_else(|| format!("cargo metadata does not list {name}"))?;
-            let folder = package.manifest_path.parent().unwrap_or(root);
+            let (name, licence) = (format!("{} {}", found.name, found.version), found.license());
+            let folder = found.manifest_path.parent().unwrap_or(root);
             let paths = licences(&found.name, folder)?;
             let mut texts = paths.iter().map(|path| read(path)).collect::<Result<Vec<String>, String>>()?;
             let is_own = |path: &PathBuf| path.parent() == Some(folder);
             if !paths.iter().any(is_own) {
-                texts.push(standard.text(&name, &found.license, &package.authors.join(", "))?);
+                texts.push(standard.text(&name, &licence, &found.authors.join(", "))?);
             }
-            Ok(Part { name, licence: found.license, origin: found.repository, texts })
+            Ok(Part { name, licence, origin: found.repository, texts })
         })
         .collect()
 }
 
 /// The files with the licences of a crate, and of the third-party code in its subfolders. Skips tests and hidden folders,
 /// which aren't part of the program.
-fn licences(name: &str, folder: &Path) -> Result<Vec<PathBuf>, String> {
-    let unused: Vec<PathBuf> =
-        UNUSED.iter().filter(|(owner, _)| *owner == name).map(|(_, path)| folder.join(path)).collect();
-    let mut paths = Vec::new();
-    let mut open = vec![folder.to_path_buf()];
-    while let Some(at) = open.pop() {
-        let failed = |error: std::io::Error| format!("{}: {error}", at.display());
-        for entry in fs::read_dir(&at).map_err(failed)? {
-            let entry = entry.map_err(failed)?;
-            let (path, kind) = (entry.path(), entry.file_type().map_err(failed)?);
-            let file_name = entry.file_name().to_string_lossy().to_lowercase();
-            if unused.contains(&path) {
-                continue;
-            }
-            if kind.is_dir() && file_name != "tests" && !file_name.starts_with('.') {
-                open.push(path);
-            } else if kind.is_file() && NAMES.iter().any(|start| file_name.starts_with(start)) {
-                paths.push(path);
-            }
-        }
-    }
-    paths.sort();
-    Ok(paths)
+fn licences(crate_name: &str, folder: &Path) -> Result<Vec<PathBuf>, String> {
+    let name = |entry: &DirEntry| entry.file_name().to_string_lossy().to_lowercase();
+    let is_part = |entry: &DirEntry| {
+        let is_unused =
+            |(owner, path): &(&str, &str)| *owner == crate_name && entry.path() == folder.join(path);
+        let is_skipped =
+            entry.file_type().is_dir() && (name(entry) == "tests" || name(entry).starts_with('.'));
+        entry.depth() == 0 || !is_skipped && !UNUSED.iter().any(is_unused)
+    };
+    let is_licence = |entry: &DirEntry| {
+        entry.file_type().is_file() && NAMES.iter().any(|start| name(entry).starts_with(start))
+    };
+    let entries = WalkDir::new(folder).sort_by_file_name().into_iter().filter_entry(is_part);
+    let entries: Vec<DirEntry> = entries.collect::<Result<_, _>>().map_err(|error| error.to_string())?;
+    Ok(entries.into_iter().filter(is_licence).map(DirEntry::into_path).collect())
 }
 
 fn read(path: &Path) -> Result<String, String> {

@@ -1,40 +1,51 @@
-//! The crates of a program, from `cargo tree` and `Cargo.lock`. `cargo metadata` would add crates that only tests and
-//! other programs of the workspace use, because it combines the features of all of them.
+//! The crates of a program. `cargo tree` selects them: `cargo metadata`, which describes them, also lists crates that only
+//! tests and other programs of the workspace use, because it combines the features of all of them.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use serde::Deserialize;
 
-use crate::command::cargo;
+use crate::command::{cargo, output};
 use crate::platform::FEATURES;
 
 /// The crate of the program.
 const PROGRAM: &str = "uavspec";
 
-/// The parts of a line of `cargo tree`: the depth and the crate, the licence, and the repository.
-const FORMAT: &str = "{p}\t{l}\t{r}";
-
-/// A crate.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+/// A crate, as `cargo metadata` and `Cargo.lock` describe it.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(default)]
 pub(crate) struct Crate {
     pub(crate) name: String,
     pub(crate) version: String,
-    /// The licence, as an SPDX expression.
-    pub(crate) license: String,
+    license: Option<String>,
     pub(crate) repository: Option<String>,
+    pub(crate) authors: Vec<String>,
+    pub(crate) manifest_path: PathBuf,
     /// The SHA-256 checksum of the published archive.
     pub(crate) checksum: Option<String>,
     /// The package URLs of the direct dependencies.
+    #[serde(skip)]
     pub(super) uses: BTreeSet<String>,
 }
 
 impl Crate {
     /// The package URL.
     pub(crate) fn purl(&self) -> String {
-        format!("pkg:cargo/{}@{}", self.name, self.version)
+        purl(&self.name, &self.version)
     }
+
+    /// The licence, as an SPDX expression. Old manifests write a slash instead of `OR`.
+    pub(crate) fn license(&self) -> String {
+        let license = self.license.as_deref().unwrap_or_default();
+        license.split('/').map(str::trim).collect::<Vec<_>>().join(" OR ")
+    }
+}
+
+fn purl(name: &str, version: &str) -> String {
+    format!("pkg:cargo/{name}@{version}")
 }
 
 /// A program and its crates.
@@ -45,17 +56,11 @@ pub(crate) struct Crates {
     pub(crate) dependencies: Vec<Crate>,
 }
 
-/// The content of `Cargo.lock`.
+/// The output of `cargo metadata`, or the content of `Cargo.lock`.
 #[derive(Deserialize)]
-struct Lock {
-    package: Vec<LockedPackage>,
-}
-
-#[derive(Deserialize)]
-struct LockedPackage {
-    name: String,
-    version: String,
-    checksum: Option<String>,
+struct Packages {
+    #[serde(alias = "packages")]
+    package: Vec<Crate>,
 }
 
 impl Crates {
@@ -72,77 +77,66 @@ impl Crates {
     }
 
     fn parse(root: &Path, selection: &[&str]) -> Result<Self, String> {
-        let (program, mut crates) = parse(&tree(root, selection)?)?;
+        let run = |arguments: &[&str]| {
+            let mut command = Command::new(cargo());
+            output(
+                command.args(arguments).arg("--locked").arg("--manifest-path").arg(root.join("Cargo.toml")),
+            )
+        };
+        let tree = ["tree", "--prefix", "depth", "--format", "{p}", "--package", PROGRAM];
+        let (program, mut uses) = parse(&run(&[&tree, selection].concat())?)?;
+        let metadata = run(&["metadata", "--all-features", "--format-version", "1"])?;
+        let metadata: Packages = serde_json::from_str(&metadata).map_err(|error| error.to_string())?;
         let lock = root.join("Cargo.lock");
-        let text = std::fs::read_to_string(&lock).map_err(|error| format!("{}: {error}", lock.display()))?;
-        let lock: Lock = toml::from_str(&text).map_err(|error| format!("{}: {error}", lock.display()))?;
-        for LockedPackage { name, version, checksum } in lock.package {
-            let known = Crate { name, version, ..Crate::default() };
-            if let Some(found) = crates.get_mut(&known.purl()) {
-                found.checksum = checksum;
+        let text = fs::read_to_string(&lock).map_err(|error| format!("{}: {error}", lock.display()))?;
+        let lock: Packages = toml::from_str(&text).map_err(|error| format!("{}: {error}", lock.display()))?;
+        let mut checksums: BTreeMap<String, Option<String>> =
+            lock.package.into_iter().map(|found| (found.purl(), found.checksum)).collect();
+        let mut crates = BTreeMap::new();
+        for mut found in metadata.package {
+            let purl = found.purl();
+            let Some(uses) = uses.remove(&purl) else { continue };
+            if found.license.is_none() {
+                return Err(format!("{purl} names no licence"));
             }
+            found.uses = uses;
+            found.checksum = checksums.remove(&purl).flatten();
+            crates.insert(purl, found);
+        }
+        if let Some(missing) = uses.keys().next() {
+            return Err(format!("cargo metadata does not list {missing}"));
         }
         let program = crates.remove(&program).ok_or("cargo tree lists no crates")?;
         Ok(Self { program, dependencies: crates.into_values().collect() })
     }
 }
 
-/// Parses the output of `cargo tree`: the package URL of the program, and all crates by package URL.
-fn parse(tree: &str) -> Result<(String, BTreeMap<String, Crate>), String> {
-    let mut crates: BTreeMap<String, Crate> = BTreeMap::new();
+/// The crates by package URL, each with those that it uses.
+type Uses = BTreeMap<String, BTreeSet<String>>;
+
+/// Parses the output of `cargo tree`: the package URL of the program, and all crates.
+fn parse(tree: &str) -> Result<(String, Uses), String> {
+    let mut crates = Uses::new();
     // The package URLs from the program to the current line.
     let mut path: Vec<String> = Vec::new();
     for line in tree.lines().filter(|line| !line.is_empty()) {
-        let (depth, found) =
+        let (depth, purl) =
             line_of_tree(line).ok_or_else(|| format!("unexpected line of cargo tree: {line}"))?;
-        let purl = found.purl();
         path.truncate(depth);
-        if let Some(parent) = path.last().and_then(|parent| crates.get_mut(parent)) {
-            parent.uses.insert(purl.clone());
+        if let Some(uses) = path.last().and_then(|parent| crates.get_mut(parent)) {
+            uses.insert(purl.clone());
         }
-        crates.entry(purl.clone()).or_insert(found);
+        crates.entry(purl.clone()).or_default();
         path.push(purl);
     }
     Ok((path.into_iter().next().unwrap_or_default(), crates))
 }
 
-/// The depth and the crate of a line.
-fn line_of_tree(line: &str) -> Option<(usize, Crate)> {
+/// The depth and the package URL of a line such as `2rib v0.3.0 (proc-macro) (*)`.
+fn line_of_tree(line: &str) -> Option<(usize, String)> {
     let (depth, line) = line.split_at(line.find(|character: char| !character.is_ascii_digit())?);
-    let mut parts = line.split('\t');
-    let mut words = parts.next()?.split(' ');
-    let (name, version) = (words.next()?, words.next()?.strip_prefix('v')?);
-    let license = parts.next().filter(|license| !license.is_empty())?;
-    // `(*)` marks a crate whose dependencies are listed above.
-    let repository = parts.next()?.trim_end_matches("(*)").trim_end();
-    let found = Crate {
-        name: name.to_owned(),
-        version: version.to_owned(),
-        license: expression(license),
-        repository: (!repository.is_empty()).then(|| repository.to_owned()),
-        ..Crate::default()
-    };
-    Some((depth.parse().ok()?, found))
-}
-
-/// The SPDX expression of a licence. Old manifests write a slash instead of `OR`.
-fn expression(license: &str) -> String {
-    license.split('/').map(str::trim).collect::<Vec<_>>().join(" OR ")
-}
-
-/// Runs `cargo tree`.
-fn tree(root: &Path, selection: &[&str]) -> Result<String, String> {
-    let mut command = Command::new(cargo());
-    command.args(["tree", "--locked"]).args(selection);
-    command.args(["--prefix", "depth", "--format", FORMAT, "--package", PROGRAM, "--manifest-path"]);
-    let output = command
-        .arg(root.join("Cargo.toml"))
-        .output()
-        .map_err(|error| format!("cannot run cargo: {error}"))?;
-    if !output.status.success() {
-        return Err(format!("cargo tree failed: {}", String::from_utf8_lossy(&output.stderr).trim_end()));
-    }
-    String::from_utf8(output.stdout).map_err(|_| "cargo tree printed invalid UTF-8".to_owned())
+    let mut words = line.split(' ');
+    Some((depth.parse().ok()?, purl(words.next()?, words.next()?.strip_prefix('v')?)))
 }
 
 #[cfg(test)]
@@ -151,23 +145,20 @@ mod tests {
 
     #[test]
     fn reads_the_output_of_cargo_tree() {
-        let tree = "0glider v1.0.0 (/glider)\tMIT\t\n\
-                    1wing v2.1.0\tMIT/Apache-2.0\thttps://example.org/wing\n\
-                    2rib v0.3.0 (proc-macro)\tZlib\thttps://example.org/rib\n\
-                    1rib v0.3.0 (proc-macro)\tZlib\thttps://example.org/rib (*)\n";
+        let tree = "0glider v1.0.0 (/glider)\n1wing v2.1.0\n2rib v0.3.0 (proc-macro)\n1rib v0.3.0 (proc-macro) (*)\n";
         let (program, crates) = parse(tree).expect("crates");
         assert_eq!(program, "pkg:cargo/glider@1.0.0");
-        let uses = |purl: &str| crates[purl].uses.iter().map(String::as_str).collect::<Vec<_>>();
+        let uses = |purl: &str| crates[purl].iter().map(String::as_str).collect::<Vec<_>>();
         assert_eq!(uses(&program), ["pkg:cargo/rib@0.3.0", "pkg:cargo/wing@2.1.0"]);
         assert_eq!(uses("pkg:cargo/wing@2.1.0"), ["pkg:cargo/rib@0.3.0"]);
-        assert_eq!(crates[&program].repository, None);
-        assert_eq!(crates["pkg:cargo/rib@0.3.0"].repository.as_deref(), Some("https://example.org/rib"));
-        assert!(parse("0glider v1.0.0\t\t\n").is_err(), "a crate without a licence");
+        assert!(parse("0glider 1.0.0\n").is_err(), "no version");
     }
 
     #[test]
     fn converts_old_licences_to_expressions() {
-        assert_eq!(expression("MIT / Apache-2.0"), "MIT OR Apache-2.0");
-        assert_eq!(expression("(MIT OR Apache-2.0) AND Unicode-3.0"), "(MIT OR Apache-2.0) AND Unicode-3.0");
+        let convert =
+            |license: &str| Crate { license: Some(license.to_owned()), ..Crate::default() }.license();
+        assert_eq!(convert("MIT / Apache-2.0"), "MIT OR Apache-2.0");
+        assert_eq!(convert("(MIT OR Apache-2.0) AND Unicode-3.0"), "(MIT OR Apache-2.0) AND Unicode-3.0");
     }
 }
