@@ -9,10 +9,12 @@ mod peers;
 
 use std::env;
 use std::ffi::{OsStr, OsString};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use clap::ValueEnum;
+
+use crate::paths::repository;
 
 /// The environment variable that names another program to measure.
 const PROGRAM: &str = "UAVSPEC";
@@ -55,6 +57,11 @@ fn benches(benches: &[(&str, &str)]) -> Result<(), String> {
         cargo(Path::new("."), &["bench", "--package", package, "--bench", bench])
     };
     benches.iter().try_for_each(run)
+}
+
+/// The folder of the corpus.
+fn corpus() -> PathBuf {
+    env::var_os("UAVSPEC_CORPUS").map_or_else(|| repository().join("../shared/corpus"), PathBuf::from)
 }
 
 /// The program to measure: the release build with these features, unless the environment names another program.

@@ -51,8 +51,7 @@ pub(super) fn run() -> Result<(), String> {
 
 /// Generates the crate and returns the number of messages.
 fn generate(root: &Path, folder: &Path) -> Result<usize, String> {
-    let default = root.join("../shared/corpus");
-    let messages = std::env::var_os("UAVSPEC_CORPUS").map_or(default, PathBuf::from).join("px4/main/msg");
+    let messages = super::corpus().join("px4/main/msg");
     let messages = fs::canonicalize(&messages).map_err(|error| format!("{}: {error}", messages.display()))?;
     let at = |error: std::io::Error| format!("{}: {error}", folder.display());
     fs::create_dir_all(folder.join("src")).map_err(at)?;

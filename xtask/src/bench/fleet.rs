@@ -2,7 +2,7 @@
 
 use std::fs::{self, File};
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use flate2::Compression;
@@ -54,14 +54,7 @@ pub(super) fn run() -> Result<(), String> {
 
 /// Makes the captures, with a list of the rules and topics that they violate.
 fn make(folder: &Path) -> std::io::Result<()> {
-    let corpus = std::env::var_os("UAVSPEC_CORPUS").map_or("../shared/corpus".into(), PathBuf::from);
-    let mut paths: Vec<PathBuf> =
-        fs::read_dir(corpus.join("ulog"))?.map(|entry| Ok(entry?.path())).collect::<std::io::Result<_>>()?;
-    paths.sort();
-    let mut logs = Vec::new();
-    for path in &paths {
-        logs.extend(Log::read(&fs::read(path)?));
-    }
+    let logs = Log::of_corpus()?;
     let mut seeds = vec!["capture,source,rule,topic\n".to_owned()];
     let (mut total, mut number) = (0, 0);
     for (set, last) in SETS {

@@ -1,6 +1,12 @@
 //! Logs that are made from other logs: longer or shorter, and some with a violation.
 
 use std::collections::HashMap;
+use std::path::PathBuf;
+use std::{fs, io};
+
+use uavspec_dynamic::{Field, Types, ULOG_PACKAGE};
+use uavspec_runtime::Scalar;
+use uavspec_schema::{Element, Shape};
 
 /// The size of the header of a file.
 const HEADER: usize = 16;
@@ -18,7 +24,6 @@ const SHORT: u16 = 11;
 pub(super) struct Log {
     /// The header and the definitions.
     definitions: Vec<u8>,
-    data: Vec<u8>,
     messages: Vec<Message>,
     topics: HashMap<u16, Topic>,
     /// The time from the first to the last message, and a period, in µs.
@@ -27,8 +32,7 @@ pub(super) struct Log {
 
 /// A message of the data section.
 struct Message {
-    start: usize,
-    end: usize,
+    bytes: Vec<u8>,
     /// The time that a copy shifts: its position in the message.
     time: Option<usize>,
     /// The subscription of a data message.
@@ -88,51 +92,53 @@ impl Violation {
 }
 
 impl Log {
+    /// Reads the logs of the corpus.
+    pub(super) fn of_corpus() -> io::Result<Vec<Self>> {
+        let entries = fs::read_dir(super::corpus().join("ulog"))?;
+        let mut paths: Vec<PathBuf> = entries.map(|entry| Ok(entry?.path())).collect::<io::Result<_>>()?;
+        paths.sort();
+        let logs = paths.iter().map(|path| Ok(Self::read(&fs::read(path)?)));
+        Ok(logs.collect::<io::Result<Vec<Option<Self>>>>()?.into_iter().flatten().collect())
+    }
+
     /// Reads a log. Returns `None` for a file that isn't one.
-    pub(super) fn read(bytes: &[u8]) -> Option<Self> {
-        let mut formats: HashMap<String, String> = HashMap::new();
-        let mut log = Self {
-            definitions: bytes.get(..HEADER)?.to_vec(),
-            data: Vec::new(),
-            messages: Vec::new(),
-            topics: HashMap::new(),
-            span: 0,
-        };
-        let (mut at, mut is_data, mut times) = (HEADER, false, Vec::new());
-        while let Some(header) = bytes.get(at..at + MESSAGE) {
-            let size = usize::from(u16::from_le_bytes([header[0], header[1]]));
-            let Some(message) = bytes.get(at..at + MESSAGE + size) else { break };
+    fn read(bytes: &[u8]) -> Option<Self> {
+        let (header, mut rest) = bytes.split_at_checked(HEADER)?;
+        let mut log =
+            Self { definitions: header.to_vec(), messages: Vec::new(), topics: HashMap::new(), span: 0 };
+        let (mut formats, mut is_data, mut times) = (Vec::new(), false, Vec::new());
+        while let Some([low, high, kind, ..]) = rest.first_chunk::<MESSAGE>() {
+            let size = MESSAGE + usize::from(u16::from_le_bytes([*low, *high]));
+            let Some((message, others)) = rest.split_at_checked(size) else { break };
+            rest = others;
             let content = &message[MESSAGE..];
-            at += message.len();
-            is_data |= matches!(header[2], b'A' | b'D' | b'L' | b'C');
-            if header[2] == b'F' {
-                let text = std::str::from_utf8(content).ok()?;
-                let (name, fields) = text.split_once(':')?;
-                formats.insert(name.to_owned(), fields.to_owned());
+            is_data |= matches!(kind, b'A' | b'D' | b'L' | b'C');
+            if *kind == b'F' {
+                formats.push(str::from_utf8(content).ok()?.split_once(':')?);
             }
             if !is_data {
                 log.definitions.extend(message);
                 continue;
             }
-            let start = log.data.len();
-            log.data.extend(message);
-            let mut entry = Message { start, end: log.data.len(), time: None, id: None };
-            match (header[2], content) {
-                (b'A', [_, low, high, name @ ..]) => {
-                    let name = String::from_utf8(name.to_vec()).ok()?;
-                    let flag = formats.get(&name).and_then(|fields| flag(fields));
-                    log.topics.insert(u16::from_le_bytes([*low, *high]), Topic { name, flag });
-                }
-                (b'D', [low, high, ..]) => {
-                    entry.id = Some(u16::from_le_bytes([*low, *high]));
-                    entry.time = Some(TIMESTAMP);
-                }
-                (b'L', _) => entry.time = Some(MESSAGE + 1),
-                (b'C', _) => entry.time = Some(MESSAGE + 3),
-                _ => {}
+            let (time, id) = match (kind, content) {
+                (b'D', [low, high, ..]) => (Some(TIMESTAMP), Some(u16::from_le_bytes([*low, *high]))),
+                (b'L', _) => (Some(MESSAGE + 1), None),
+                (b'C', _) => (Some(MESSAGE + 3), None),
+                _ => (None, None),
+            };
+            if let (b'A', [_, low, high, name @ ..]) = (kind, content) {
+                let name = str::from_utf8(name).ok()?.to_owned();
+                log.topics.insert(u16::from_le_bytes([*low, *high]), Topic { name, flag: None });
             }
-            times.extend(entry.time.and_then(|time| u64_at(message, time)));
-            log.messages.push(entry);
+            times.extend(time.and_then(|time| u64_at(message, time)));
+            log.messages.push(Message { bytes: message.to_vec(), time, id });
+        }
+        let (types, _) = Types::from_ulog_formats(formats);
+        let is_flag =
+            |field: &&Field| field.element == Element::Scalar(Scalar::Bool) && field.shape == Shape::Single;
+        for topic in log.topics.values_mut() {
+            let ty = types.find(ULOG_PACKAGE, &topic.name);
+            topic.flag = ty.and_then(|ty| Some(ty.fields().iter().find(is_flag)?.offset));
         }
         log.span = times.iter().max()? - times.iter().min()? + 1_000;
         Some(log)
@@ -146,6 +152,10 @@ impl Log {
         let half = usize::midpoint(bytes.len(), size);
         let (mut previous, mut violated) = (HashMap::new(), None);
         for round in 0_u64.. {
+            // No topic has the field to change.
+            if round > 1 && bytes.len() > 2 * size {
+                break;
+            }
             for message in &self.messages {
                 if bytes.len() >= size && violation.is_none() {
                     return (bytes, violated);
@@ -155,7 +165,7 @@ impl Log {
                     continue;
                 }
                 let start = bytes.len();
-                bytes.extend(&self.data[message.start..message.end]);
+                bytes.extend(&message.bytes);
                 let added = &mut bytes[start..];
                 let time = message.time.and_then(|time| Some((time, u64_at(added, time)?)));
                 if let Some((position, time)) = time {
@@ -170,10 +180,6 @@ impl Log {
                     (violation, violated) = (None, Some(topic.name.as_str()));
                 }
             }
-            // No topic has the field to change.
-            if bytes.len() > 2 * (size + self.data.len()) {
-                break;
-            }
         }
         (bytes, violated)
     }
@@ -181,26 +187,4 @@ impl Log {
 
 fn u64_at(bytes: &[u8], position: usize) -> Option<u64> {
     Some(u64::from_le_bytes(bytes.get(position..position + 8)?.try_into().ok()?))
-}
-
-/// The position of the first bool in a format, if only numbers precede it.
-fn flag(fields: &str) -> Option<usize> {
-    let mut position = 0;
-    for field in fields.split(';') {
-        let (ty, _) = field.split_once(' ')?;
-        let (ty, count) = match ty.split_once('[') {
-            Some((ty, count)) => (ty, count.trim_end_matches(']').parse().ok()?),
-            None => (ty, 1),
-        };
-        let size = match ty {
-            "bool" if count == 1 => return Some(position),
-            "int8_t" | "uint8_t" | "bool" | "char" => 1,
-            "int16_t" | "uint16_t" => 2,
-            "int32_t" | "uint32_t" | "float" => 4,
-            "int64_t" | "uint64_t" | "double" => 8,
-            _ => return None,
-        };
-        position += size * count;
-    }
-    None
 }

@@ -1,7 +1,7 @@
 //! Compares the program with other libraries. Each library runs in a separate process.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use super::compile::{Crates, FEATURES};
@@ -25,12 +25,12 @@ pub(super) fn run() -> Result<(), String> {
     cargo(peers, &["build", "--release", "--target-dir", "../../target/peers/build"])?;
     let folder = Path::new(FOLDER);
     let library = folder.join("build/release/uavspec-peers");
-    let corpus = std::env::var_os("UAVSPEC_CORPUS").map_or("../shared/corpus".into(), PathBuf::from);
+    let corpus = super::corpus();
     // Written last: after an interruption, the inputs are made again.
     let made = folder.join("made");
     let at = |error: std::io::Error| format!("{FOLDER}: {error}");
     if !made.exists() {
-        make(folder, &corpus).map_err(at)?;
+        make(folder).map_err(at)?;
         execute(Command::new(&library).arg("make").arg(folder).arg(corpus.join("px4/1.13/msg")))?;
         fs::write(made, "").map_err(at)?;
     }
@@ -41,17 +41,10 @@ pub(super) fn run() -> Result<(), String> {
 }
 
 /// Makes the logs.
-fn make(folder: &Path, corpus: &Path) -> std::io::Result<()> {
+fn make(folder: &Path) -> std::io::Result<()> {
     let logs = folder.join("ulog");
     fs::create_dir_all(&logs)?;
-    let mut paths = fs::read_dir(corpus.join("ulog"))?
-        .map(|entry| Ok(entry?.path()))
-        .collect::<std::io::Result<Vec<PathBuf>>>()?;
-    paths.sort();
-    let mut sources = Vec::new();
-    for path in &paths {
-        sources.extend(Log::read(&fs::read(path)?));
-    }
+    let sources = Log::of_corpus()?;
     if let Some(source) = sources.last() {
         fs::write(folder.join("flight.ulg"), source.make(FLIGHT, None).0)?;
     }

@@ -1,6 +1,5 @@
 //! Installs the packages in empty Debian systems without Rust and without a network, and runs the program.
 
-mod log;
 mod system;
 
 use std::path::Path;
@@ -20,6 +19,9 @@ struct Method {
     /// A shell command that checks what the package contains in addition to the program.
     check: &'static str,
 }
+
+/// A log with ten records of one topic, which conforms to the definitions of all releases.
+const CPULOAD: &[u8] = include_bytes!("test/cpuload.ulg");
 
 const MESSAGE: &str = "# Wind over ground\n\nuint64 timestamp   # [us] Time since system start\nfloat32 speed      # [m/s] [@range 0, 60] [@invalid NaN] Wind speed\n";
 
@@ -80,7 +82,7 @@ pub(super) fn run(out: &Path, platforms: &[&'static Platform]) -> Result<bool, S
             }
         };
         system.copy(out, "dist")?;
-        system.write("input/cpuload.ulg", &log::cpuload())?;
+        system.write("input/cpuload.ulg", CPULOAD)?;
         system.write("input/msg/Wind.msg", MESSAGE.as_bytes())?;
         for method in methods(platform) {
             let (row, error) = test(&system, platform, &method);

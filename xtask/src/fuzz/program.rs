@@ -5,7 +5,7 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use crate::command::cargo;
+use crate::command::{cargo, output, run};
 
 /// The flags that `cargo fuzz` sets without a sanitizer: libFuzzer counts the executions of each edge, knows the edges'
 /// addresses, and sees the operands of comparisons.
@@ -32,7 +32,8 @@ pub(super) struct Program {
 impl Program {
     /// Compiles the program, which is a separate workspace.
     pub(super) fn build(root: &Path) -> Result<Self, String> {
-        let host = host()?;
+        let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+        let host = output(Command::new(rustc).args(["--print", "host-tuple"]))?;
         let folder = root.join("target/fuzz");
         // Without `--locked`, because each new dependency of the workspace changes the lock file of this one.
         let mut cargo = Command::new(cargo());
@@ -40,10 +41,7 @@ impl Program {
         // With a target, the flags don't apply to build scripts and macros.
         cargo.args(["--target", &host, "--target-dir"]).arg(&folder);
         cargo.env("RUSTFLAGS", FLAGS.join(" ")).env_remove("CARGO_ENCODED_RUSTFLAGS");
-        let status = cargo.status().map_err(|error| format!("cannot run cargo: {error}"))?;
-        if !status.success() {
-            return Err("the fuzz targets could not be compiled".to_owned());
-        }
+        run(&mut cargo).map_err(|error| format!("the fuzz targets could not be compiled: {error}"))?;
         Ok(Self { path: folder.join(host).join("release/uavspec-fuzz") })
     }
 
@@ -74,14 +72,4 @@ impl Program {
     fn output(&self, command: &mut Command) -> Result<Output, String> {
         command.output().map_err(|error| format!("cannot run {}: {error}", self.path.display()))
     }
-}
-
-/// The name of this platform, as the compiler prints it.
-fn host() -> Result<String, String> {
-    let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-    let output =
-        Command::new(rustc).arg("-vV").output().map_err(|error| format!("cannot run rustc: {error}"))?;
-    let text = String::from_utf8_lossy(&output.stdout);
-    let host = text.lines().find_map(|line| line.strip_prefix("host: "));
-    host.map(str::to_owned).ok_or_else(|| "rustc -vV prints no host".to_owned())
 }

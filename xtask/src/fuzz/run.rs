@@ -22,15 +22,8 @@ const MAX_LINE: usize = 400;
 /// The head of the table of all runs.
 pub(super) const HEAD: &str = "target             executions       per s       edges    features      inputs";
 
-/// The figures of a run.
-#[derive(Debug, Default, PartialEq, Eq)]
-struct Figures {
-    executions: u64,
-    per_second: u64,
-    edges: u64,
-    features: u64,
-    inputs: u64,
-}
+/// The executions of a run, the executions per second, and the edges, features and inputs at its end.
+type Figures = [u64; 5];
 
 /// The result of a run.
 pub(super) struct Run {
@@ -63,13 +56,14 @@ impl Run {
         let output = program.run(target, options.into_iter().chain(folders))?;
         let log = String::from_utf8_lossy(&output.stderr);
         let failure = (!output.status.success()).then(|| failure(target, &log, &corpus.artifacts));
-        Ok(Self { figures: Figures::parse(&log), failure })
+        Ok(Self { figures: figures(&log), failure })
     }
 
     /// The row of the table.
     pub(super) fn row(&self, target: &str) -> String {
-        let Figures { executions, per_second, edges, features, inputs } = self.figures;
-        format!("{target:<18} {executions:>10} {per_second:>11} {edges:>11} {features:>11} {inputs:>11}")
+        let [executions, others @ ..] = self.figures;
+        let others = others.map(|figure| format!(" {figure:>11}"));
+        format!("{target:<18} {executions:>10}{}", others.concat())
     }
 }
 
@@ -97,27 +91,23 @@ fn failure(target: &str, log: &str, artifacts: &Path) -> String {
     )
 }
 
-impl Figures {
-    /// Reads the figures at the end of the log, and the coverage in the last line of progress.
-    fn parse(log: &str) -> Self {
-        let stat = |name: &str| {
-            let line = log.lines().rev().find_map(|line| line.strip_prefix("stat::")?.strip_prefix(name));
-            line.and_then(|rest| rest.trim_start_matches(':').trim().parse().ok()).unwrap_or_default()
-        };
-        let progress = log.lines().rev().find(|line| line.starts_with('#') && line.contains(" cov: "));
-        let words: Vec<&str> = progress.unwrap_or_default().split_whitespace().collect();
-        let figure = |name: &str| {
-            let at = words.iter().position(|word| *word == name)?;
-            words.get(at + 1)?.split('/').next()?.parse().ok()
-        };
-        Self {
-            executions: stat("number_of_executed_units"),
-            per_second: stat("average_exec_per_sec"),
-            edges: figure("cov:").unwrap_or_default(),
-            features: figure("ft:").unwrap_or_default(),
-            inputs: figure("corp:").unwrap_or_default(),
-        }
-    }
+/// Reads the figures at the end of the log, and the coverage in the last line of progress.
+fn figures(log: &str) -> Figures {
+    let stat = |name: &str| log.lines().rev().find_map(|line| line.strip_prefix(name)?.trim().parse().ok());
+    let progress = log.lines().rev().find(|line| line.starts_with('#') && line.contains(" cov: "));
+    let words: Vec<&str> = progress.unwrap_or_default().split_whitespace().collect();
+    let figure = |name: &str| {
+        let at = words.iter().position(|word| *word == name)?;
+        words.get(at + 1)?.split('/').next()?.parse().ok()
+    };
+    [
+        stat("stat::number_of_executed_units:"),
+        stat("stat::average_exec_per_sec:"),
+        figure("cov:"),
+        figure("ft:"),
+        figure("corp:"),
+    ]
+    .map(Option::unwrap_or_default)
 }
 
 #[cfg(test)]
@@ -131,10 +121,8 @@ mod tests {
                    Done 524288 runs in 60 second(s)\n\
                    stat::number_of_executed_units: 524288\n\
                    stat::average_exec_per_sec:     8738\n";
-        let figures =
-            Figures { executions: 524_288, per_second: 8738, edges: 1893, features: 6021, inputs: 411 };
-        assert_eq!(Figures::parse(log), figures);
-        assert_eq!(Figures::parse(""), Figures::default());
+        assert_eq!(figures(log), [524_288, 8738, 1893, 6021, 411]);
+        assert_eq!(figures(""), [0; 5]);
     }
 
     #[test]
