@@ -70,7 +70,7 @@ impl Definition {
 /// assert_eq!(Altitude::from_cdr(&payload[..size]).unwrap().metres, 1.5);
 /// # Ok::<(), uavspec_runtime::EncodeError>(())
 /// ```
-pub trait Message: Record + Clone + Default + PartialEq {
+pub trait Message: Record + Clone + Default + PartialEq + 'static {
     /// A struct with all constants of the message.
     const DEFINITION: Definition;
     /// The name of the package.

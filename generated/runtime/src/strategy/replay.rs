@@ -1,39 +1,52 @@
-//! Decodes a message from the drawn values.
+//! Reads a message from generated values.
 
 use std::mem;
 use std::string::String;
 use std::vec::{IntoIter, Vec};
 
-use super::tree::Node;
 use crate::descriptor::{MessageDescriptor, Shape};
 use crate::record::{FieldSource, Primitive, Record, Source, Value};
 
-/// All values of a message, in the order in which the message reads them.
-#[derive(Default)]
-pub(super) struct Script {
-    /// The bits of each number, the length of each sequence, and each byte of text.
-    pub(super) numbers: Vec<u64>,
-    pub(super) strings: Vec<String>,
+/// Values of a message, in the order in which the message reads them.
+#[derive(Clone, Debug)]
+pub(super) enum Node {
+    /// The bits of a number, the length of a sequence, or a byte of text.
+    Number(u64),
+    String(String),
+    /// The fields of a message, or the elements of a field.
+    Group(Vec<Node>),
 }
 
-/// Reads a message from a [`Script`], without enforcing bounds as codecs do.
-pub(super) struct Replay {
+impl Node {
+    /// Reads a message, without enforcing bounds as codecs do.
+    pub(super) fn message<M: Record>(self) -> M {
+        let mut leaves = Vec::new();
+        self.append_to(&mut leaves);
+        Source::message(&mut Replay { message: &MessageDescriptor::NONE, leaves: leaves.into_iter() })
+    }
+
+    /// Appends the numbers and strings to `leaves`.
+    fn append_to(self, leaves: &mut Vec<Self>) {
+        match self {
+            Self::Number(_) | Self::String(_) => leaves.push(self),
+            Self::Group(nodes) => nodes.into_iter().for_each(|node| node.append_to(leaves)),
+        }
+    }
+}
+
+struct Replay {
     /// The message whose fields are read.
     message: &'static MessageDescriptor,
-    numbers: IntoIter<u64>,
-    strings: IntoIter<String>,
+    /// The numbers and strings that remain.
+    leaves: IntoIter<Node>,
 }
 
 impl Replay {
-    pub(super) fn of(root: &Node) -> Self {
-        let mut script = Script::default();
-        root.write(&mut script);
-        let Script { numbers, strings } = script;
-        Self { message: &MessageDescriptor::NONE, numbers: numbers.into_iter(), strings: strings.into_iter() }
-    }
-
-    pub(super) fn message<M: Record>(mut self) -> M {
-        Source::message(&mut self)
+    fn number(&mut self) -> u64 {
+        match self.leaves.next() {
+            Some(Node::Number(bits)) => bits,
+            Some(Node::String(_) | Node::Group(_)) | None => 0,
+        }
     }
 }
 
@@ -45,7 +58,7 @@ impl FieldSource for Replay {
 
 impl Source for Replay {
     fn scalar<P: Primitive>(&mut self) -> P {
-        P::read_le(&self.numbers.next().unwrap_or_default().to_le_bytes())
+        P::read_le(&self.number().to_le_bytes())
     }
 
     fn scalars<P: Primitive>(&mut self, values: &mut [P]) {
@@ -53,11 +66,14 @@ impl Source for Replay {
     }
 
     fn length(&mut self, _: Shape, _: usize) -> usize {
-        self.numbers.next().and_then(|length| usize::try_from(length).ok()).unwrap_or_default()
+        usize::try_from(self.number()).unwrap_or_default()
     }
 
     fn string(&mut self, _: bool, _: Option<u32>) -> String {
-        self.strings.next().unwrap_or_default()
+        match self.leaves.next() {
+            Some(Node::String(text)) => text,
+            Some(Node::Number(_) | Node::Group(_)) | None => String::new(),
+        }
     }
 
     fn message<M: Record>(&mut self) -> M {
