@@ -54,6 +54,7 @@ pub mod example;
 pub mod failure;
 pub mod finding;
 pub mod fingerprint;
+pub mod graph;
 mod id;
 pub mod identity;
 pub mod json_text;

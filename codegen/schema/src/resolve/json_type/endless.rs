@@ -1,9 +1,7 @@
 //! Detects infinitely nested types.
 
-use petgraph::algo::kosaraju_scc;
-use petgraph::graph::{DiGraph, NodeIndex};
-
 use crate::diagnostic::{Diagnostic, Problem};
+use crate::graph::{groups, successors_first};
 use crate::json_type::{Definition, Expression, JsonType, Member};
 use crate::limits::{MAX_JSON_ALTERNATIVES, MAX_JSON_DEPTH};
 
@@ -69,18 +67,6 @@ fn depths(steps: &[Vec<usize>]) -> Vec<usize> {
     depths
 }
 
-/// The groups of types that refer to each other, in which most types are alone. Each group follows the groups that its
-/// types refer to.
-fn groups(steps: &[Vec<usize>]) -> impl Iterator<Item = Vec<usize>> {
-    let edges = steps.iter().enumerate().flat_map(|(at, next)| next.iter().map(move |next| (at, *next)));
-    let mut graph = DiGraph::<(), (), usize>::from_edges(edges);
-    while graph.node_count() < steps.len() {
-        graph.add_node(());
-    }
-    let groups = kosaraju_scc(&graph).into_iter();
-    groups.map(|group| group.into_iter().map(NodeIndex::index).collect())
-}
-
 /// The indices of the types that each type refers to. `references` returns the types that a definition refers to.
 fn steps(types: &[JsonType], first: u32, references: impl Fn(&Definition) -> Vec<u32>) -> Vec<Vec<usize>> {
     let index = |id: u32| (id - first) as usize;
@@ -110,7 +96,7 @@ fn check_size(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
     });
     // The number of alternatives of each type.
     let mut sizes = vec![0_usize; types.len()];
-    for at in groups(&steps).flatten() {
+    for at in successors_first(&steps) {
         sizes[at] = steps[at].iter().map(|step| sizes[*step]).fold(1, usize::saturating_add);
         if sizes[at] > MAX_JSON_ALTERNATIVES {
             let problem = Problem::TooManyParts {

@@ -105,7 +105,7 @@ impl<'f, 'p> Bundle<'f, 'p> {
         let steps: Vec<Vec<usize>> = self.parts.iter().map(targets).collect();
         // The targets have their sizes already, except those that lead back to the part. These count 0.
         let mut sizes = vec![Size::default(); self.parts.len()];
-        for part in graph::groups(&steps).concat() {
+        for part in graph::successors_first(&steps) {
             let mut total = self.parts[part].size;
             for (depth, target) in &self.parts[part].references {
                 let target = sizes[*target];
@@ -149,27 +149,26 @@ impl<'f, 'p> Bundle<'f, 'p> {
         let inner: HashSet<*const Value> = inner.map(std::ptr::from_ref).collect();
         let mut copy = Map::new();
         for (name, member) in members.iter().filter(|(name, _)| is_alone(name) && is_used(name)) {
-            match (name.as_str(), member) {
-                ("$ref" | "$dynamicRef" | "$recursiveRef", Value::String(reference)) => {
-                    if copy.contains_key("$ref") {
-                        let problem = "several references in one schema: move them to `allOf`";
-                        return Err(self.places.problem(place, "", problem));
-                    }
-                    let target = self.places.find(place, reference, name != "$ref");
-                    let target = target.map_err(|problem| self.places.problem(place, "", problem))?;
-                    self.charge(part, 1)?;
-                    let location = self.places.label(target, reference);
-                    copy.insert("$ref".to_owned(), self.address(part, target, location, depth).into());
+            if let ("$ref" | "$dynamicRef" | "$recursiveRef", Value::String(reference)) =
+                (name.as_str(), member)
+            {
+                if copy.contains_key("$ref") {
+                    let problem = "several references in one schema: move them to `allOf`";
+                    return Err(self.places.problem(place, "", problem));
                 }
-                _ => {
-                    self.patterns += match (name.as_str(), member) {
-                        ("patternProperties", Value::Object(patterns)) => patterns.len(),
-                        ("pattern", _) => 1,
-                        _ => 0,
-                    };
-                    copy.insert(name.clone(), self.copy(part, member, &inner, depth + 1)?);
-                }
+                let target = self.places.find(place, reference, name != "$ref");
+                let target = target.map_err(|problem| self.places.problem(place, "", problem))?;
+                self.charge(part, 1)?;
+                let location = self.places.label(target, reference);
+                copy.insert("$ref".to_owned(), self.address(part, target, location, depth).into());
+                continue;
             }
+            self.patterns += match (name.as_str(), member) {
+                ("patternProperties", Value::Object(patterns)) => patterns.len(),
+                ("pattern", _) => 1,
+                _ => 0,
+            };
+            copy.insert(name.clone(), self.copy(part, member, &inner, depth + 1)?);
         }
         Ok(Value::Object(copy))
     }
@@ -196,8 +195,8 @@ impl<'f, 'p> Bundle<'f, 'p> {
         let mut copied = |value: &'f Value| self.copy(part, value, schemas, depth + 1);
         Ok(match value {
             Value::Object(members) => {
-                let copies = members.iter().map(|(name, value)| Ok((name.clone(), copied(value)?)));
-                Value::Object(copies.collect::<Result<_, Problem>>()?)
+                let members = members.iter().map(|(name, value)| Ok((name.clone(), copied(value)?)));
+                Value::Object(members.collect::<Result<_, Problem>>()?)
             }
             Value::Array(values) => Value::Array(values.iter().map(copied).collect::<Result<_, _>>()?),
             _ => value.clone(),
