@@ -31,7 +31,7 @@ use crate::paths::repository;
 /// The folder of the adapters.
 const SOURCE: &str = "xtask/interop";
 
-/// The folder of the installed tools, and of what they print.
+/// The folder of the installed tools and their output.
 const TARGET: &str = "target/interop";
 
 /// The results of all tools.
@@ -120,7 +120,7 @@ fn configuration() -> Result<(Vec<Tool>, Known), String> {
     Ok((tools, known))
 }
 
-/// Runs the tools. The result lacks those that can't run.
+/// Runs the tools. The result lacks tools that can't run.
 fn run_all(arguments: &Arguments, tools: &[&Tool], jobs: &Jobs) -> Result<BTreeMap<String, Tally>, String> {
     let at = |error: std::io::Error| format!("{TARGET}: {error}");
     let target = repository().join(TARGET);

@@ -24,7 +24,8 @@ pub fn each<T: Sync, R: Send>(
     if jobs <= 1 {
         return items.iter().for_each(|item| take(item, work(item)));
     }
-    // The numbers of the items that may be started, and of those that are done. Threads end when no more may be started.
+    // The numbers of the items that threads may start, and the results of finished items. Threads end when all items are
+    // started.
     let (starting, started) = mpsc::channel();
     let (sender, done) = mpsc::channel();
     let (started, work) = (Mutex::new(started), &work);

@@ -111,7 +111,7 @@ impl Crates {
     }
 }
 
-/// The crates by package URL, each with those that it uses.
+/// The package URLs of the crates, each with the crates that it uses.
 type Uses = BTreeMap<String, BTreeSet<String>>;
 
 /// Parses the output of `cargo tree`: the package URL of the program, and all crates.

@@ -43,7 +43,7 @@ const SERVICE: Service = Service {
 /// A connection to a Foxglove server.
 pub(super) struct Foxglove {
     link: Link,
-    /// Whether clients can publish. An error is the reason. `None` until the server described itself.
+    /// `Ok` if clients can publish; an error is the reason why they can't. `None` until the server described itself.
     publishing: Option<Result<(), &'static str>>,
     channels: HashMap<u64, Channel>,
     /// The topics to receive. Some may have no channel yet.

@@ -116,7 +116,7 @@ impl Connection {
         Ok(steps > 0)
     }
 
-    /// Processes a message, or reads bytes. Returns false if there is nothing to do at the moment.
+    /// Processes a message, or reads bytes. Returns false if neither is possible at the moment.
     fn advance(&mut self, shared: &mut Shared) -> Result<bool, Reason> {
         match self.outbox.flush() {
             State::Failed(reason) => return Err(reason),
@@ -193,7 +193,7 @@ mod tests {
     use crate::family::answer;
     use crate::hub::Hub;
 
-    /// The number of visits until there is nothing to do, after a client has sent this text.
+    /// The number of visits that a text from a client causes.
     fn visits(text: &str) -> usize {
         let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
         let mut client = net::TcpStream::connect(listener.local_addr().expect("a port")).expect("a client");

@@ -37,7 +37,7 @@ impl Numbers {
     /// The bits of numbers that violate no rule and that JSON can represent.
     pub(super) fn valid(self) -> BoxedStrategy<u64> {
         let is_valid = move |number: &Number| self.constraint.violated_by(*number).is_none();
-        let numbers = self.allowed().prop_filter("no number conforms to the definition", is_valid);
+        let numbers = self.allowed().prop_filter("all numbers violate the definition", is_valid);
         numbers.prop_map(move |number| self.bits(number)).boxed()
     }
 

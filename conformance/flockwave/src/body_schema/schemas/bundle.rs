@@ -103,7 +103,7 @@ impl<'f, 'p> Bundle<'f, 'p> {
     pub(super) fn size(&self) -> Size {
         let targets = |part: &Part<'_>| part.references.iter().map(|(_, target)| *target).collect();
         let steps: Vec<Vec<usize>> = self.parts.iter().map(targets).collect();
-        // The targets have their sizes already, except those that lead back to the part. These count 0.
+        // The sizes of the targets are known, unless a target leads back to the part. Such a target counts 0.
         let mut sizes = vec![Size::default(); self.parts.len()];
         for part in graph::successors_first(&steps) {
             let mut total = self.parts[part].size;
