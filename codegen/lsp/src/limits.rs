@@ -1,4 +1,4 @@
-//! The limits on what this crate reads and stores. Hostile input reaches them; real input doesn't.
+//! The limits on what this crate reads and stores. They bound the time and the memory that hostile input takes.
 
 /// The maximum number of files and folders that are searched. PX4 with all submodules has about 60,000.
 pub(crate) const MAX_ENTRIES: usize = 200_000;

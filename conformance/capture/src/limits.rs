@@ -1,4 +1,4 @@
-//! The limits on what this crate reads and stores. Hostile input reaches them; real input doesn't.
+//! The limits on what this crate reads and stores. They bound the time and the memory that hostile input takes.
 
 // Compressed files and links.
 

@@ -22,10 +22,10 @@
 //!
 //! # Memory
 //!
-//! An uncompressed chunk of any length is read record by record. A compressed chunk is buffered (at most
-//! `MAX_PACKED`) and decompressed as it is read. Each returned record is buffered (at most
-//! [`MAX_RECORD`](crate::limits::MAX_RECORD)), except attachments, which are returned in parts. All other records are skipped. Buffers grow with the data that is read, not with the
-//! stated lengths.
+//! An uncompressed chunk of any length is read record by record. A compressed chunk is buffered (at most `MAX_PACKED`) and
+//! decompressed as it is read. Each returned record is buffered (at most [`MAX_RECORD`](crate::limits::MAX_RECORD)), except
+//! attachments, which are returned in parts. All other records are skipped. Buffers grow with the data that is read, not
+//! with the stated lengths.
 //!
 //! # Recovery from corruption
 //!

@@ -55,7 +55,7 @@ use super::release::{ReleaseMatch, release_matches};
 use super::summary::names;
 use super::topic::{confirms, definition_of, is_guess, is_same_type, plain};
 use super::{CaptureResult, CheckRun, Logged, Summary};
-use crate::limits::{MAX_BAG_CHANNELS, MAX_FIELDS};
+use crate::limits::{MAX_BAG_CHANNELS, MAX_BAG_FIELDS};
 
 /// The metadata key for the type hash of a channel, as written by `rosbag2`.
 pub const HASH: &str = "topic_type_hash";
@@ -330,7 +330,7 @@ impl<'d> Channels<'d> {
         let definitions = self.run.definitions;
         // A checker takes time and memory for each field.
         let fields = FieldCounts::default().of(source.message_type(definitions));
-        if fields > MAX_FIELDS - self.fields {
+        if fields > MAX_BAG_FIELDS - self.fields {
             open.status = CheckStatus::Checked(Basis::TooMany);
             return None;
         }

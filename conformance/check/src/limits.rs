@@ -1,10 +1,10 @@
-//! The limits on what this crate reads and stores. Hostile input reaches them; real input doesn't.
+//! The limits on what this crate reads and stores. They bound the time and the memory that hostile input takes.
 
 // Bags.
 
 /// The maximum number of fields in the types of all channels, with the fields of each nested message. A thousand PX4
 /// topics have a quarter of this number.
-pub(crate) const MAX_FIELDS: usize = 1 << 18;
+pub(crate) const MAX_BAG_FIELDS: usize = 1 << 18;
 
 /// The maximum number of channels in a bag.
 pub(crate) const MAX_BAG_CHANNELS: usize = 1 << 16;
@@ -40,6 +40,12 @@ pub(crate) const MAX_UNPACKED: u64 = 16 << 30;
 /// The maximum number of files of a bag that are read to find its release.
 pub(crate) const MAX_FILES: usize = 16;
 
+// Logs.
+
+/// The maximum number of fields in the formats whose values are checked, with the fields of each nested message. Real logs
+/// have a few thousand. Without a limit, nested arrays could multiply the fields indefinitely.
+pub(crate) const MAX_LOG_FIELDS: usize = 1 << 16;
+
 // JSON messages.
 
 /// The maximum number of topics and types. Hostile input may contain any number of both.
@@ -71,7 +77,8 @@ pub(crate) const MAX_PIECES: usize = 1_000;
 /// The maximum number of messages that are read from one line.
 pub(crate) const MAX_MESSAGES: usize = 10_000;
 
-/// The maximum number of versions, and also of kinds of states, in status reports. Hostile input may contain any number of both.
+/// The maximum number of versions, and also of kinds of states, in status reports. Hostile input may contain any number of
+/// both.
 pub(crate) const MAX_KNOWN: usize = 256;
 
 /// The maximum length, in bytes, of stored versions and stored lists of error codes.
@@ -131,5 +138,6 @@ pub(crate) const MAX_ATTACHMENT: usize = 16 << 20;
 /// exceeds it is copied.
 pub(crate) const MAX_WAITING: usize = 16 << 20;
 
-/// The maximum number of topics of a converted log. A log has at most 8,192 formats, but hostile logs may subscribe to more topics.
+/// The maximum number of topics of a converted log. A log has at most 8,192 formats, but hostile logs may subscribe to more
+/// topics.
 pub(crate) const MAX_LOG_TOPICS: usize = 10_000;

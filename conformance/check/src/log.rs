@@ -23,6 +23,7 @@ use uavspec_schema::MessageId;
 use super::coverage::{PartResult, Parts, Share, Tally, Unit};
 use super::release::{ComparedTopic, ReleaseMatch, release_lines, release_matches};
 use super::{CaptureResult, CheckRun, Describe, Kind, Line, Summary, Totals, has_magic};
+use crate::limits::MAX_LOG_FIELDS;
 
 pub(super) const KIND: Kind = Kind {
     name: "ULog",
@@ -46,10 +47,6 @@ pub(super) const ENCRYPTED: Kind = Kind {
 /// The reason why an encrypted log can't be read.
 pub(super) const ENCRYPTED_TEXT: &str = "an encrypted PX4 log (.ulge): decrypt it with its key first; see \
                                          https://docs.px4.io/main/en/dev_log/log_encryption";
-
-/// The maximum number of fields in the formats whose values are checked, with the fields of each nested message. Real logs
-/// have a few thousand. Without a limit, nested arrays could multiply the fields indefinitely.
-const MAX_FIELDS: usize = 1 << 16;
 
 /// The summary of a log.
 #[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
@@ -268,7 +265,7 @@ impl<'d> LogChecker<'d> {
             run,
             open: Vec::new(),
             plans: BTreeMap::new(),
-            room: MAX_FIELDS,
+            room: MAX_LOG_FIELDS,
             compared: BTreeMap::new(),
             parts: Parts::default(),
             several: BTreeSet::new(),
@@ -377,8 +374,10 @@ impl<'d> LogChecker<'d> {
                     check_timestamp(format, location, &mut self.run);
                     let compared = (open.offset, comparison(format, definitions));
                     self.compared.insert(open.topic.clone(), compared);
-                    let rest = self.room.checked_sub(FieldCounts::default().of(format));
-                    self.room = rest.unwrap_or(self.room);
+                    // Once a topic doesn't fit, the fields of later topics aren't counted.
+                    let count = || FieldCounts::default().of(format);
+                    let rest = (self.room > 0).then(|| self.room.checked_sub(count())).flatten();
+                    self.room = rest.unwrap_or(0);
                     let defined = open.definition.map(|id| definitions.types().get(id));
                     Rc::new(FormatPlan::new(format, defined, rest.is_some()))
                 });

@@ -1,4 +1,4 @@
-//! The limits on what this crate reads and stores. Hostile input reaches them; real input doesn't.
+//! The limits on what this crate reads and stores. They bound the time and the memory that hostile input takes.
 
 // Sessions.
 
@@ -41,8 +41,8 @@ pub(crate) const EARLY_LIMIT: usize = 1000;
 /// The maximum number of redirects of an HTTP request.
 pub(crate) const REDIRECT_LIMIT: usize = 5;
 
-/// The maximum number of packets in a payload of long polling. Servers and clients send far fewer. Without a limit, a payload of empty
-/// packets would use much more memory than its length.
+/// The maximum number of packets in a payload of long polling. Servers and clients send far fewer. Without a limit, a payload
+/// of empty packets would use much more memory than its length.
 pub(crate) const PACKET_LIMIT: usize = 1000;
 
 /// The maximum size of the head of an HTTP request, in bytes. Browsers send one or two kilobytes.

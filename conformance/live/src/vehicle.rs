@@ -126,8 +126,7 @@ pub fn probe(
         let _ = probe.withdraw();
     }
     let definitions = &*chosen.insert(started?);
-    probe.check(definitions, None)?;
-    let listened = probe.listen(options.time);
+    let listened = probe.check(definitions, None).and_then(|()| probe.listen(options.time));
     // A component must unregister, even if the recording can't be written.
     let last = probe.withdraw();
     listened?;

@@ -1,4 +1,4 @@
-//! The limits on what this crate reads and stores. Hostile input reaches them; real input doesn't.
+//! The limits on what this crate reads and stores. They bound the time and the memory that hostile input takes.
 
 /// The maximum length of the name of a topic, a type or a node, in bytes. ROS 2 has the same limit.
 pub const MAX_NAME: usize = 256;

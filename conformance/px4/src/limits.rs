@@ -1,4 +1,4 @@
-//! The limits on what this crate reads and stores. Hostile input reaches them; real input doesn't.
+//! The limits on what this crate reads and stores. They bound the time and the memory that hostile input takes.
 
 /// The maximum length of a path or subject in a plan, in characters. There is one of each for each field of each entry,
 /// and names in captures have any length.

@@ -34,6 +34,9 @@ use super::{Counts, Listening, Transport};
 /// The token of the events of all sockets, because events only wake the event loop.
 const TOKEN: Token = Token(0);
 
+/// The number of bytes to read from a stream in one step.
+const PIECE: usize = 16 << 10;
+
 /// The state that all connections share.
 struct Shared {
     hub: Hub,
@@ -43,6 +46,8 @@ struct Shared {
     queued: Rc<Budget>,
     /// The memory of received data.
     received: Rc<Budget>,
+    /// The bytes that are being read from a stream.
+    piece: Box<[u8]>,
     counts: Counts,
 }
 
@@ -54,6 +59,7 @@ impl Shared {
             sessions: Sessions::default(),
             queued: Budget::new(TOTAL_QUEUED),
             received: Budget::new(TOTAL_RECEIVED),
+            piece: vec![0; PIECE].into(),
             counts: BTreeMap::new(),
         }
     }

@@ -161,8 +161,7 @@ pub(super) fn message(body: &[u8]) -> Option<Event<'_>> {
     Some(Event::Message { channel, time, publish_time, sequence, payload: parts.0 })
 }
 
-/// The name and the values of a metadata record. `None` if the record contains invalid text or
-/// a duplicate key.
+/// The name and the values of a metadata record. `None` if the record contains invalid text or a duplicate key.
 pub fn metadata(body: &[u8]) -> Option<(String, BTreeMap<String, String>)> {
     match mcap::parse_record(op::METADATA, body) {
         Ok(Record::Metadata(Metadata { name, metadata })) => Some((name, metadata)),

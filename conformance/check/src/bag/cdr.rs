@@ -18,9 +18,6 @@ use uavspec_schema::{Form, MessageId};
 use super::Stated;
 use crate::coverage::Share;
 
-/// The maximum size of a decompressed message, in bytes. Uncompressed messages have the same limit.
-const MAX_UNPACKED: u64 = MAX_RECORD;
-
 /// A decoded message.
 pub(super) struct Seen {
     /// The `timestamp` field, if there is one.
@@ -190,10 +187,10 @@ pub fn decompressed(payload: &[u8]) -> Result<Cow<'_, [u8]>, String> {
     }
     let mut bytes = Vec::new();
     let read =
-        zstd::decompress(payload).and_then(|frames| frames.take(MAX_UNPACKED + 1).read_to_end(&mut bytes));
+        zstd::decompress(payload).and_then(|frames| frames.take(MAX_RECORD + 1).read_to_end(&mut bytes));
     match read {
-        Ok(_) if bytes.len() as u64 > MAX_UNPACKED => {
-            Err(format!("the compressed message has more than {MAX_UNPACKED} bytes"))
+        Ok(_) if bytes.len() as u64 > MAX_RECORD => {
+            Err(format!("the compressed message has more than {MAX_RECORD} bytes"))
         }
         Ok(_) => Ok(Cow::Owned(bytes)),
         Err(error) => Err(format!("the message can't be decompressed: {error}")),

@@ -195,7 +195,10 @@ fn declarations(input: impl Read) -> Clues {
             _ => {}
         }
     }
-    merge(&mut clues, found.into_clues());
+    let mut in_json = found.into_clues();
+    // The facts of CDR channels decide.
+    in_json.types.retain(|name, _| !clues.types.contains_key(name));
+    merge(&mut clues, in_json);
     clues
 }
 
@@ -277,9 +280,8 @@ fn definition_hash(definition: &Definition) -> Option<String> {
     is_read.then(|| schema_hash(&definition.ty, definition.text.as_bytes())).flatten()
 }
 
-/// The type hash of a schema. The hash of a type that ROS 2 derives from a service or an action
-/// isn't that of a definition. rosbag2 writes an empty schema for
-/// types whose definitions it can't find.
+/// The type hash of a schema. The hash of a type that ROS 2 derives from a service or an action isn't that of a definition.
+/// rosbag2 writes an empty schema for types whose definitions it can't find.
 fn schema_hash(name: &str, text: &[u8]) -> Option<String> {
     if text.is_empty() || derived_from(&plain(name)).is_some() {
         return None;

@@ -66,9 +66,9 @@ impl Lines {
         std::iter::from_fn(|| self.take()).collect()
     }
 
-    /// The memory of an incomplete line, in bytes.
+    /// The memory of received bytes, in bytes; at least 1 while the rest of a line that is too long is skipped.
     pub fn capacity(&self) -> usize {
-        self.buffer.capacity()
+        self.buffer.capacity().max(usize::from(self.is_skipping))
     }
 
     /// Drops an incomplete line.

@@ -1,9 +1,9 @@
 //! A limited map from the ids of UAVs to their data.
 
-use uavspec_flockwave::limits::MAX_ID;
-
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::{Duration, Instant};
+
+use uavspec_flockwave::limits::MAX_ID;
 
 use crate::limits::MAX_UAVS;
 

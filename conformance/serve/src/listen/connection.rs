@@ -17,9 +17,6 @@ use super::web::WebClient;
 use super::{Shared, Transport};
 use crate::hub::Sink as _;
 
-/// The number of bytes to read in one step.
-const PIECE: usize = 16 << 10;
-
 /// The time during which a closed connection waits until the client closes it as well. Otherwise, the client could lose
 /// the last messages.
 const LINGER_TIME: Duration = Duration::from_millis(500);
@@ -49,7 +46,7 @@ pub(super) trait Protocol {
     /// Processes the next message.
     fn step(&mut self, shared: &mut Shared, outbox: &Rc<Outbox>) -> Step;
 
-    /// The memory of an unfinished message, in bytes.
+    /// The memory of received bytes that were not processed.
     fn unfinished(&self) -> usize;
 
     /// Tells the client the reason, if the protocol permits it, and releases everything that belongs to the connection.
@@ -124,7 +121,7 @@ impl Connection {
             State::Sent if self.has_ended => return Err(DISCONNECTED),
             State::Sent => {
                 self.closed_at.get_or_insert(shared.now());
-                return self.read();
+                return self.read(shared);
             }
             State::Open if self.outbox.waiting() > PAUSE_LIMIT => return Ok(false),
             State::Open => {}
@@ -150,7 +147,7 @@ impl Connection {
                 };
             }
             Step::Starved if !self.has_ended => {
-                let has_read = self.read()?;
+                let has_read = self.read(shared)?;
                 if !has_read {
                     let since = self.incomplete_since.unwrap_or_else(|| shared.now());
                     self.incomplete_since = (self.protocol.unfinished() > 0).then_some(since);
@@ -163,9 +160,9 @@ impl Connection {
     }
 
     /// Reads bytes. If the server has closed its side, they are dropped. Returns false if none have arrived.
-    fn read(&mut self) -> Result<bool, Reason> {
-        let mut piece = [0; PIECE];
-        match (&*self.stream).read(&mut piece) {
+    fn read(&mut self, shared: &mut Shared) -> Result<bool, Reason> {
+        let piece = &mut shared.piece;
+        match (&*self.stream).read(piece) {
             Ok(0) => self.has_ended = true,
             Ok(_) if self.outbox.is_closed() => {}
             Ok(length) => self.protocol.feed(&piece[..length]),
@@ -174,6 +171,11 @@ impl Connection {
             Err(_) => return Err(DISCONNECTED),
         }
         Ok(true)
+    }
+
+    /// True if bytes wait to be sent.
+    pub(super) fn is_sending(&self) -> bool {
+        self.outbox.waiting() > 0
     }
 
     /// Ends the connection. If the client can still receive messages, it receives the reason.

@@ -19,7 +19,7 @@ use uavspec_rules::flockwave::sio_02;
 use self::session::Session;
 use super::Shared;
 use super::connection::{Protocol, Step};
-use super::limits::{CLIENT_LIMIT, DISCONNECTED, REPLACED, REQUEST_LIMIT, Reason};
+use super::limits::{CLIENT_LIMIT, DISCONNECTED, REFUSED, REPLACED, REQUEST_LIMIT, Reason};
 use super::outbox::Outbox;
 use super::seats::{Admission, admit};
 use super::web::{Pending, Reply};
@@ -67,7 +67,7 @@ fn open(shared: &mut Shared, revision: Revision) -> Result<Rc<Session>, Response
             session.end(shared, REPLACED);
         }
         Admission::Refused => {
-            shared.count(Some("refused: the server was full"));
+            shared.count(REFUSED);
             return Err(Response::refusal("503 Service Unavailable", "too many sessions"));
         }
     }
@@ -256,6 +256,10 @@ impl Protocol for WebSocketClient {
     }
 
     fn step(&mut self, shared: &mut Shared, outbox: &Rc<Outbox>) -> Step {
+        // The session may have ended before it moved to this WebSocket.
+        if !self.session.is_upgraded() && !shared.sessions.contains_key(&self.session.sid) {
+            return Step::End;
+        }
         let message = match self.socket.read() {
             Err(Error::Io(error)) if is_silence(&error) => {
                 // The WebSocket has read everything.

@@ -67,6 +67,12 @@ pub(super) const UNFINISHED: Reason = Some("a message wasn't finished in time");
 /// This client uses more than its share of [`TOTAL_RECEIVED`].
 pub(super) const TOO_MUCH: Reason = Some("unfinished messages use too much memory");
 
+/// The server can't serve another client.
+pub(super) const REFUSED: Reason = Some("refused: the server was full");
+
+/// The system can't create another socket.
+pub(super) const NOT_ACCEPTED: Reason = Some("not accepted: the system reported an error");
+
 /// A newcomer replaces the client.
 pub(super) const REPLACED: Reason = Some("the server is full, and this client was idle");
 

@@ -23,9 +23,11 @@ pub(super) struct Outbox {
     stream: Option<Rc<TcpStream>>,
     clock: Clock,
     pieces: RefCell<VecDeque<Vec<u8>>>,
+    /// The number of bytes of the first piece that were sent.
+    sent: Cell<usize>,
     share: Share,
     state: Cell<State>,
-    /// The time of the last progress while data is waiting to be sent.
+    /// The time of the last progress while data is waiting to be sent over the stream.
     waiting_since: Cell<Option<Instant>>,
 }
 
@@ -47,6 +49,7 @@ impl Outbox {
             stream,
             clock,
             pieces: RefCell::default(),
+            sent: Cell::new(0),
             share: Share::new(budget),
             state: Cell::new(State::Open),
             waiting_since: Cell::new(None),
@@ -88,13 +91,14 @@ impl Outbox {
     pub(super) fn flush(&self) -> State {
         let Some(stream) = &self.stream else { return self.state.get() };
         let mut pieces = self.pieces.borrow_mut();
-        while let Some(piece) = pieces.front_mut() {
-            match (&**stream).write(piece) {
+        while let Some(piece) = pieces.front() {
+            match (&**stream).write(&piece[self.sent.get()..]) {
                 Ok(sent) => {
-                    piece.drain(..sent);
                     let mut freed = sent;
-                    if piece.is_empty() {
+                    self.sent.set(self.sent.get() + sent);
+                    if self.sent.get() == piece.len() {
                         pieces.pop_front();
+                        self.sent.set(0);
                         freed += OVERHEAD;
                     }
                     self.share.set(self.waiting() - freed);
@@ -150,6 +154,7 @@ impl Outbox {
     fn fail(&self, reason: Reason) {
         self.state.set(State::Failed(reason));
         self.pieces.replace(VecDeque::new());
+        self.sent.set(0);
         self.share.set(0);
         self.waiting_since.set(None);
     }

@@ -3,7 +3,7 @@
 use std::io::ErrorKind::{ConnectionAborted, Interrupted, WouldBlock};
 use std::io::Write as _;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use mio::net::TcpStream;
 use mio::{Events, Interest};
@@ -11,7 +11,7 @@ use uavspec_flockwave::transport::http::Response;
 use uavspec_model::clock::Clock;
 
 use super::connection::Connection;
-use super::limits::{REPLACED, STEPS_AT_ONCE, connections};
+use super::limits::{NOT_ACCEPTED, REFUSED, REPLACED, STEPS_AT_ONCE, connections};
 use super::seats::{Admission, admit};
 use super::udp::Datagrams;
 use super::{Counts, Hub, Shared, Sockets, TOKEN, Transport, engine};
@@ -25,6 +25,9 @@ pub(crate) const TICK: Duration = Duration::from_millis(20);
 /// next poll of a polling client usually follows immediately.
 const LAST_TIME: Duration = Duration::from_millis(500);
 
+/// The time during which clients that read slowly can receive the last messages.
+const MAX_LAST_TIME: Duration = Duration::from_secs(2);
+
 /// The event loop. Whenever a socket is ready, the loop visits all sockets, until none of them has anything to do. A socket
 /// that isn't ready costs only a system call, and there are few.
 pub(crate) struct Reactor {
@@ -34,6 +37,8 @@ pub(crate) struct Reactor {
     connections: Vec<Connection>,
     /// The maximum number of connections.
     limit: usize,
+    /// The time from which connections are accepted again after an error.
+    accepts_from: Instant,
 }
 
 impl Reactor {
@@ -41,7 +46,8 @@ impl Reactor {
     pub(crate) fn new(mut sockets: Sockets, hub: Hub) -> Self {
         let datagrams = sockets.datagrams.drain(..).map(Datagrams::new).collect();
         let (shared, limit) = (Shared::new(hub), connections());
-        Self { shared, sockets, datagrams, connections: Vec::new(), limit }
+        let accepts_from = shared.now();
+        Self { shared, sockets, datagrams, connections: Vec::new(), limit, accepts_from }
     }
 
     /// Serves all clients until the end is requested. Returns the counts of refused and disconnected clients.
@@ -65,8 +71,13 @@ impl Reactor {
         self.sockets.doors.clear();
         self.shared.hub.end();
         engine::close(&self.shared);
-        let until = Clock::real().now() + LAST_TIME;
-        while !self.connections.is_empty() && Clock::real().now() < until {
+        let start = Clock::real().now();
+        while !self.connections.is_empty() {
+            let is_sending = self.connections.iter().any(Connection::is_sending);
+            let limit = if is_sending { MAX_LAST_TIME } else { LAST_TIME };
+            if Clock::real().now() >= start + limit {
+                break;
+            }
             let is_busy = self.turn();
             self.wait(if is_busy { Duration::ZERO } else { TICK });
         }
@@ -111,6 +122,9 @@ impl Reactor {
 
     /// Accepts waiting connections. Returns true if there were any.
     fn accept(&mut self) -> bool {
+        if self.shared.now() < self.accepts_from {
+            return false;
+        }
         let mut has_accepted = false;
         for door in 0..self.sockets.doors.len() {
             for _ in 0..STEPS_AT_ONCE {
@@ -123,7 +137,8 @@ impl Reactor {
                     }
                     // The system lacks memory or file descriptors. Other sockets are served in the meantime.
                     Err(_) => {
-                        self.shared.count(Some("not accepted: the system reported an error"));
+                        self.shared.count(NOT_ACCEPTED);
+                        self.accepts_from = self.shared.now() + TICK;
                         break;
                     }
                 }
@@ -140,7 +155,7 @@ impl Reactor {
             Admission::Free => {}
             Admission::Evict(at) => self.connections.remove(at).end(&mut self.shared, REPLACED),
             Admission::Refused => {
-                self.shared.count(Some("refused: the server was full"));
+                self.shared.count(REFUSED);
                 refuse(&stream, transport);
                 return;
             }
@@ -149,9 +164,10 @@ impl Reactor {
         let is_usable = stream
             .set_nodelay(true)
             .and_then(|()| self.sockets.poll.registry().register(&mut stream, TOKEN, interest));
-        if is_usable.is_ok() {
-            self.connections.push(Connection::new(&mut self.shared, stream, transport));
+        if is_usable.is_err() {
+            return self.shared.count(NOT_ACCEPTED);
         }
+        self.connections.push(Connection::new(&mut self.shared, stream, transport));
     }
 }
 

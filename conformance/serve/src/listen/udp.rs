@@ -71,25 +71,31 @@ pub(super) struct Datagrams {
     /// `None` after the socket was closed because of the FW-UDP-03 bug.
     socket: Option<Rc<UdpSocket>>,
     clients: BTreeMap<SocketAddr, Client>,
+    /// The datagram that is being received.
+    buffer: Vec<u8>,
     /// The first client; used only with the FW-UDP-02 bug.
     first: Option<SocketAddr>,
 }
 
 impl Datagrams {
     pub(super) fn new(socket: UdpSocket) -> Self {
-        Self { socket: Some(Rc::new(socket)), clients: BTreeMap::new(), first: None }
+        let (clients, buffer) = (BTreeMap::new(), vec![0; DATAGRAM_LIMIT + 1]);
+        Self { socket: Some(Rc::new(socket)), clients, buffer, first: None }
     }
 
     /// Processes some datagrams. Returns true if there were any.
     pub(super) fn receive(&mut self, shared: &mut Shared) -> bool {
-        let mut buffer = vec![0; DATAGRAM_LIMIT + 1];
-        for number in 0..STEPS_AT_ONCE {
+        let mut buffer = std::mem::take(&mut self.buffer);
+        let mut count = 0;
+        while count < STEPS_AT_ONCE {
             let received = self.socket.as_ref().and_then(|socket| socket.recv_from(&mut buffer).ok());
             // Some systems report as an error that an earlier datagram was not delivered. More may follow in the next turn.
-            let Some((length, address)) = received else { return number > 0 };
+            let Some((length, address)) = received else { break };
             self.take(shared, address, &buffer[..length]);
+            count += 1;
         }
-        true
+        self.buffer = buffer;
+        count > 0
     }
 
     /// Processes a datagram. Only valid requests register a client.

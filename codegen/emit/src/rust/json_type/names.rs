@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use proc_macro2::Ident;
 use uavspec_schema::json_type::{Definition, Expression, Member, TYPE_FIELD};
-use uavspec_schema::{JsonTypeId, Package, prose};
+use uavspec_schema::{JsonTypeId, Package, graph, prose};
 
 use super::super::context::Context;
 use super::super::identifier::{self, Scope, ident};
@@ -22,8 +22,8 @@ pub(super) struct Names {
     first: u32,
     /// Names by type.
     pub(super) types: Vec<String>,
-    /// The types that each type contains without a list or map in between.
-    contained: Vec<BTreeSet<JsonTypeId>>,
+    /// The group of each type. The types of a group contain each other without a list or map in between.
+    groups: Vec<usize>,
     pub(super) defaults: Defaults,
 }
 
@@ -37,13 +37,18 @@ impl Names {
         let types: Vec<String> =
             found.map(|found| scope.unique_type(&identifier::type_name(&found.name))).collect();
         let first = package.json_types.first().map_or(0, |id| id.0);
-        let contained = package
-            .json_types
-            .iter()
-            .map(|id| contained(&context.schema.json_type(*id).definition))
-            .collect();
+        let index = |id: JsonTypeId| (id.0 - first) as usize;
+        let contained = |id: &JsonTypeId| contained(&context.schema.json_type(*id).definition);
+        let steps = package.json_types.iter().map(|id| contained(id).into_iter().map(index).collect());
+        let steps: Vec<Vec<usize>> = steps.collect();
+        let mut groups = vec![0; steps.len()];
+        for (group, members) in graph::groups(&steps).into_iter().enumerate() {
+            for member in members {
+                groups[member] = group;
+            }
+        }
         let defaults = Defaults::of(context.schema, package);
-        Self { first, types, contained, defaults }
+        Self { first, types, groups, defaults }
     }
 
     pub(super) fn name(&self, id: JsonTypeId) -> &str {
@@ -52,13 +57,8 @@ impl Names {
 
     /// True if a type that contains another one is also within it, so that boxing is needed.
     pub(super) fn is_recursive(&self, outer: JsonTypeId, inner: JsonTypeId) -> bool {
-        let mut seen = BTreeSet::from([inner]);
-        let mut open = vec![inner];
-        while let Some(id) = open.pop().filter(|id| *id != outer) {
-            let contained = &self.contained[(id.0 - self.first) as usize];
-            open.extend(contained.iter().filter(|id| seen.insert(**id)));
-        }
-        seen.contains(&outer)
+        let group = |id: JsonTypeId| self.groups[(id.0 - self.first) as usize];
+        group(outer) == group(inner)
     }
 }
 

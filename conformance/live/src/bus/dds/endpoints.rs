@@ -4,9 +4,8 @@ use std::collections::HashMap;
 
 use rustdds::discovery::{DiscoveredReaderData, DiscoveredWriterData};
 use rustdds::{EndpointDescription, GUID, QosPolicies};
-use uavspec_model::{Durability, Endpoint, EndpointKind, Qos, Reliability};
-
 use uavspec_model::limits::MAX_NAME;
+use uavspec_model::{Durability, Endpoint, EndpointKind, Qos, Reliability};
 
 use super::super::{Event, Topic};
 use super::partitions::Partitions;

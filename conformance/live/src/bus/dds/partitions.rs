@@ -5,9 +5,8 @@
 
 use std::collections::HashMap;
 
-use uavspec_model::{Durability, History, Qos};
-
 use uavspec_model::limits::MAX_NAME;
+use uavspec_model::{Durability, History, Qos};
 
 use super::super::Topic;
 use super::reader::{RawReader, Readers};

@@ -1,11 +1,10 @@
 //! Liveliness tokens. A token is a key that exists as long as the node or the endpoint that it describes.
 
+use uavspec_model::limits::MAX_NAME;
 use uavspec_model::{EndpointKind, Qos};
 
 use super::keys::NO_HASH;
 use super::qos::{format_qos, parse_qos};
-use uavspec_model::limits::MAX_NAME;
-
 use crate::bus::Topic;
 
 /// The first part of each token.
