@@ -314,7 +314,7 @@ pub fn main() -> ExitCode {
     ExitCode::from(status.max(printed.err().unwrap_or(status)).code())
 }
 
-/// The first option that is given. The first given option. Each option comes with whether it is given.
+/// The first option that is given. Each option comes with whether it is given.
 fn first_given(options: &[(&'static str, bool)]) -> Option<&'static str> {
     options.iter().find(|(_, is_given)| *is_given).map(|(name, _)| *name)
 }
