@@ -189,6 +189,15 @@ impl Expression {
         }
     }
 
+    /// The named types among the expression and its alternatives, without those in lists and maps.
+    pub fn alternatives(&self) -> Vec<JsonTypeId> {
+        match self {
+            Self::Named(id) => vec![*id],
+            Self::Either(alternatives) => alternatives.iter().flat_map(Self::alternatives).collect(),
+            _ => Vec::new(),
+        }
+    }
+
     /// Calls `visit` with this expression and all expressions within it.
     pub fn walk(&self, visit: &mut impl FnMut(&Self)) {
         visit(self);

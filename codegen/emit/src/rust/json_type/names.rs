@@ -1,9 +1,7 @@
 //! Names of types, modules and fields, and detection of recursive types.
 
-use std::collections::BTreeSet;
-
 use proc_macro2::Ident;
-use uavspec_schema::json_type::{Definition, Expression, Member, TYPE_FIELD};
+use uavspec_schema::json_type::{Member, TYPE_FIELD};
 use uavspec_schema::{JsonTypeId, Package, graph, prose};
 
 use super::super::context::Context;
@@ -37,10 +35,11 @@ impl Names {
         let types: Vec<String> =
             found.map(|found| scope.unique_type(&identifier::type_name(&found.name))).collect();
         let first = package.json_types.first().map_or(0, |id| id.0);
-        let index = |id: JsonTypeId| (id.0 - first) as usize;
-        let contained = |id: &JsonTypeId| contained(&context.schema.json_type(*id).definition);
-        let steps = package.json_types.iter().map(|id| contained(id).into_iter().map(index).collect());
-        let steps: Vec<Vec<usize>> = steps.collect();
+        let contained = |id: &JsonTypeId| {
+            let parts = context.schema.json_type(*id).definition.typed();
+            parts.flat_map(|part| part.ty.alternatives()).map(|id| (id.0 - first) as usize).collect()
+        };
+        let steps: Vec<Vec<usize>> = package.json_types.iter().map(contained).collect();
         let mut groups = vec![0; steps.len()];
         for (group, members) in graph::groups(&steps).into_iter().enumerate() {
             for member in members {
@@ -60,20 +59,6 @@ impl Names {
         let group = |id: JsonTypeId| self.groups[(id.0 - self.first) as usize];
         group(outer) == group(inner)
     }
-}
-
-/// The types that a type contains without a list or map in between.
-fn contained(definition: &Definition) -> BTreeSet<JsonTypeId> {
-    fn collect(expression: &Expression, into: &mut BTreeSet<JsonTypeId>) {
-        match expression {
-            Expression::Named(id) => drop(into.insert(*id)),
-            Expression::Either(alternatives) => alternatives.iter().for_each(|inner| collect(inner, into)),
-            _ => {}
-        }
-    }
-    let mut found = BTreeSet::new();
-    definition.typed().for_each(|typed| collect(&typed.ty, &mut found));
-    found
 }
 
 /// The identifiers of the fields of a struct.

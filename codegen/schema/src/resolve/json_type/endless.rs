@@ -2,7 +2,7 @@
 
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::graph::{groups, successors_first};
-use crate::json_type::{Definition, Expression, JsonType, Member};
+use crate::json_type::{Definition, Expression, JsonType, JsonTypeId, Member};
 use crate::limits::{MAX_JSON_ALTERNATIVES, MAX_JSON_DEPTH};
 
 /// The maximum number of reported cycles.
@@ -19,10 +19,7 @@ pub(super) fn check(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
     });
     if diagnostics.is_empty() {
         // A type `A` defined as `null or A` has finite values, but its definition is recursive.
-        diagnostics = cycles(types, first, |definition| match definition {
-            Definition::Named(found) => alternatives_of(&found.ty),
-            _ => Vec::new(),
-        });
+        diagnostics = cycles(types, first, alternatives);
     }
     if diagnostics.is_empty() {
         diagnostics = check_size(types, first);
@@ -68,18 +65,27 @@ fn depths(steps: &[Vec<usize>]) -> Vec<usize> {
 }
 
 /// The indices of the types that each type refers to. `references` returns the types that a definition refers to.
-fn steps(types: &[JsonType], first: u32, references: impl Fn(&Definition) -> Vec<u32>) -> Vec<Vec<usize>> {
-    let index = |id: u32| (id - first) as usize;
+fn steps(
+    types: &[JsonType],
+    first: u32,
+    references: impl Fn(&Definition) -> Vec<JsonTypeId>,
+) -> Vec<Vec<usize>> {
+    let index = |id: JsonTypeId| (id.0 - first) as usize;
     types.iter().map(|found| references(&found.definition).into_iter().map(index).collect()).collect()
 }
 
+/// The types that an alias or union refers to directly.
+fn alternatives(definition: &Definition) -> Vec<JsonTypeId> {
+    if let Definition::Named(found) = definition { found.ty.alternatives() } else { Vec::new() }
+}
+
 /// The types that a definition refers to.
-fn references(definition: &Definition) -> Vec<u32> {
+fn references(definition: &Definition) -> Vec<JsonTypeId> {
     let mut found = Vec::new();
     for typed in definition.typed() {
         typed.ty.walk(&mut |inner| {
             if let Expression::Named(id) = inner {
-                found.push(id.0);
+                found.push(*id);
             }
         });
     }
@@ -90,10 +96,7 @@ fn references(definition: &Definition) -> Vec<u32> {
 /// this point.
 fn check_size(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
     let mut diagnostics = Vec::new();
-    let steps = steps(types, first, |definition| match definition {
-        Definition::Named(found) => alternatives_of(&found.ty),
-        _ => Vec::new(),
-    });
+    let steps = steps(types, first, alternatives);
     // The number of alternatives of each type.
     let mut sizes = vec![0_usize; types.len()];
     for at in successors_first(&steps) {
@@ -112,33 +115,28 @@ fn check_size(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
     diagnostics
 }
 
-fn needed_by_members(members: &[Member]) -> Vec<u32> {
+fn needed_by_members(members: &[Member]) -> Vec<JsonTypeId> {
     members.iter().filter(|member| member.is_required).flat_map(|member| needed(&member.typed.ty)).collect()
 }
 
 /// The types that are part of every value of the expression.
-fn needed(expression: &Expression) -> Vec<u32> {
+fn needed(expression: &Expression) -> Vec<JsonTypeId> {
     match expression {
-        Expression::Named(id) => vec![id.0],
+        Expression::Named(id) => vec![*id],
         Expression::Either(alternatives) => {
-            let all: Vec<Vec<u32>> = alternatives.iter().map(needed).collect();
+            let all: Vec<Vec<JsonTypeId>> = alternatives.iter().map(needed).collect();
             if all.iter().any(Vec::is_empty) { Vec::new() } else { all.concat() }
         }
         _ => Vec::new(),
     }
 }
 
-/// The types that an alias or union refers to directly.
-fn alternatives_of(expression: &Expression) -> Vec<u32> {
-    match expression {
-        Expression::Named(id) => vec![id.0],
-        Expression::Either(alternatives) => alternatives.iter().flat_map(alternatives_of).collect(),
-        _ => Vec::new(),
-    }
-}
-
 /// Reports each cycle of references. `references` returns the types that a definition refers to.
-fn cycles(types: &[JsonType], first: u32, references: impl Fn(&Definition) -> Vec<u32>) -> Vec<Diagnostic> {
+fn cycles(
+    types: &[JsonType],
+    first: u32,
+    references: impl Fn(&Definition) -> Vec<JsonTypeId>,
+) -> Vec<Diagnostic> {
     let steps = steps(types, first, references);
     let mut diagnostics = Vec::new();
     let mut is_done = vec![false; types.len()];
