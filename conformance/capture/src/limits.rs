@@ -8,7 +8,8 @@ pub(crate) const MAX_LINKS: usize = 10_000;
 
 // MCAP.
 
-/// The maximum length of a buffered record, in bytes: twice the size of a large image.
+/// The maximum length of a buffered record of an MCAP file, and of a message in a `SQLite` file, in bytes: twice the size of a
+/// large image.
 pub const MAX_RECORD: u64 = 64 << 20;
 
 /// The maximum size of a compressed chunk, in bytes.
@@ -34,9 +35,6 @@ pub(crate) const MAX_BAG_TOPICS: usize = 1 << 16;
 
 /// The maximum number of nested lists and mappings in a `metadata.yaml`. rosbag2 writes up to nine.
 pub(crate) const MAX_METADATA_DEPTH: usize = 32;
-
-/// The maximum size of a payload in a `SQLite` file, in bytes. Records of MCAP files have the same limit.
-pub(crate) const MAX_PAYLOAD: usize = 64 << 20;
 
 /// The maximum number of topics, and of message definitions, in a `SQLite` file.
 pub(crate) const MAX_ROWS: usize = 10_000;

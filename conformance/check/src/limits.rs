@@ -32,7 +32,7 @@ pub(crate) const MAX_ENDPOINTS: usize = 100;
 pub(crate) const MAX_SCHEMAS: usize = 8 << 20;
 
 /// The maximum size of a stored schema, in bytes.
-pub(crate) const MAX_SCHEMA: usize = 1 << 20;
+pub const MAX_SCHEMA: usize = 1 << 20;
 
 /// The maximum size of a decompressed `SQLite` file, in bytes.
 pub(crate) const MAX_UNPACKED: u64 = 16 << 30;

@@ -11,9 +11,6 @@ pub(crate) const MAX_PROBLEMS: usize = 256;
 /// The maximum size of all schemas from a Foxglove server, in bytes.
 pub(crate) const MAX_SCHEMAS: usize = 64 << 20;
 
-/// The maximum size of a schema from a Foxglove server, in bytes.
-pub(crate) const MAX_SCHEMA: usize = 1 << 20;
-
 /// The maximum size of a message over a WebSocket, in bytes. The records of a recording have at most 64 MiB.
 pub(crate) const MAX_MESSAGE: usize = 60 << 20;
 

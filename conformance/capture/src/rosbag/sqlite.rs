@@ -31,7 +31,7 @@ use uavspec_model::Extent;
 use uavspec_model::text::{command_line, shown, thousands};
 
 use super::metadata;
-use crate::limits::{MAX_HEAP, MAX_NAME, MAX_PAYLOAD, MAX_ROWS};
+use crate::limits::{MAX_HEAP, MAX_NAME, MAX_RECORD, MAX_ROWS};
 
 /// The size of the page cache of a database, in KiB.
 const CACHE: i64 = 512;
@@ -414,9 +414,9 @@ impl Bag {
             }
         };
         let length = opened.len();
-        if length > MAX_PAYLOAD {
+        if length as u64 > MAX_RECORD {
             return Err(format!(
-                "the message has {} bytes: more than the limit of {MAX_PAYLOAD}",
+                "the message has {} bytes: more than the limit of {MAX_RECORD}",
                 thousands(length)
             ));
         }

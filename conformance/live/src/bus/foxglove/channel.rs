@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
+use uavspec_check::limits::MAX_SCHEMA;
 use uavspec_model::json::Tree;
 
 use crate::bus::websocket::{check_name, member, publisher, string};
 use crate::bus::{Encoding, Event, Schema, Topic};
-use crate::limits::MAX_SCHEMA;
 
 /// A channel of a server: a topic with its encoding and its schema.
 pub(super) struct Channel {
