@@ -27,7 +27,7 @@ pub fn groups(steps: &[Vec<usize>]) -> Vec<Vec<usize>> {
     groups.map(|group| group.into_iter().map(NodeIndex::index).collect()).collect()
 }
 
-/// All nodes, each after its successors, except those that lead back to it.
+/// All nodes, each after its successors. Only a successor that leads back to the node may follow it.
 ///
 /// ```
 /// // 0 → 1 ⇄ 2 → 3

@@ -69,7 +69,7 @@ impl Group {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
-    /// The input has nothing that the rule applies to. This verdict doesn't count as a pass.
+    /// The rule applies to no part of the input. This verdict doesn't count as a pass.
     #[serde(rename = "not covered")]
     NotCovered,
     /// The testee doesn't support the tested operation or type. This result is neither a failure nor a pass.
