@@ -38,6 +38,11 @@ mod error_code_meaning_changed;
 mod error_code_removed;
 mod error_code_renumbered;
 mod error_code_reused;
+mod event_added;
+mod event_arguments_changed;
+mod event_enum_changed;
+mod event_meaning_changed;
+mod event_removed;
 mod field_added;
 mod field_default_changed;
 mod field_enum_changed;
@@ -87,6 +92,11 @@ pub const RULES: &[&Rule] = &[
     &error_code_removed::RULE,
     &error_code_renumbered::RULE,
     &error_code_reused::RULE,
+    &event_added::RULE,
+    &event_arguments_changed::RULE,
+    &event_enum_changed::RULE,
+    &event_meaning_changed::RULE,
+    &event_removed::RULE,
     &field_added::RULE,
     &field_default_changed::RULE,
     &field_enum_changed::RULE,
@@ -138,6 +148,10 @@ pub fn breaking(sources: &SourceMap, old: &Schema, new: &Schema, between: Betwee
                 }
             }
             Check::ErrorCode(check) => comparison.codes.iter().for_each(|change| check(change, &mut sink)),
+            Check::Event(check) => comparison.events.iter().for_each(|change| check(change, &mut sink)),
+            Check::EventEnum(check) => {
+                comparison.event_enums.iter().for_each(|(old, new)| check(old, new, &mut sink));
+            }
         }
     }
     let path = |finding: &Finding| sources.path(sources.source_of(finding.span));

@@ -48,6 +48,7 @@ mod codec;
 mod compile;
 pub mod conversion;
 mod error;
+pub mod event;
 mod initial;
 mod json;
 pub mod limits;

@@ -21,3 +21,6 @@ pub(crate) const MAX_EXPRESSION_DEPTH: usize = 64;
 /// The maximum size of a converted message in memory, in bytes. Without a limit, a sequence of messages that gain many
 /// fields could take up much more memory than its payload.
 pub const MAX_CONVERTED: usize = 256 << 20;
+
+/// The maximum length of the text of an event, in bytes.
+pub(crate) const MAX_EVENT_TEXT: usize = 4 << 10;

@@ -162,7 +162,7 @@ impl<'s> Document<'s> {
     pub(super) fn dialect(&self) -> Option<Dialect> {
         match self.package?.form {
             Form::Msg(dialect) => Some(dialect),
-            Form::Table => None,
+            Form::Table | Form::Events => None,
         }
     }
 

@@ -380,6 +380,58 @@ problems! {
     MisplacedAnnotation { annotation: &'static str, type_name: String } = Warning "misplaced-annotation"
         "`{annotation}` does not apply to `{type_name}`", "correct the type, or remove the annotation";
 
+    // Event metadata
+    InvalidJson { what: String } = Error "invalid-json"
+        "invalid JSON: {what}", "correct the file; JSON has no comments and no commas before `}}` or `]`";
+    MemberType { what: String, expected: &'static str } = Error "member-type"
+        "`{what}` is not {expected}", "write {expected}";
+    MissingMember { name: &'static str, what: &'static str } = Error "missing-member"
+        "{what} without `{name}`", "add the member `{name}`";
+    UnknownMember { name: String, what: &'static str, known: String } = Warning "unknown-member"
+        "unknown member `{name}` of {what}", "uavspec ignores it; known members: {known}";
+    DuplicateMember { name: String, what: &'static str } = Error "duplicate-member"
+        "`{name}` appears twice in {what}", "remove one of them; other tools use only the last";
+    EventVersion { version: u32 } = Warning "event-version"
+        "version {version} of event metadata is unknown", "uavspec reads it as version 2, with which later versions \
+            are compatible";
+    EventNumber { text: String, what: &'static str, min: i128, max: i128 } = Error "event-number"
+        "`{text}` is not {what}", "write a decimal number from {min} to {max}";
+    EventName { name: String, what: &'static str, form: &'static str } = Error "event-name"
+        "`{name}` is not a valid name for {what}", "use {form}";
+    EventEnumType { name: String } = Error "event-enum-type"
+        "`{name}` is not a type for an enum", "write an integer type from `uint8_t` to `int64_t`";
+    EventBit { value: i128 } = Warning "event-bit"
+        "{value} is not a single bit, so readers never show this entry", "use a power of two, or remove \
+            `is_bitfield`";
+    EventLine { what: &'static str } = Error "event-line"
+        "the {what} has more than one line", "write one line";
+    EventNamespace { id: u8, name: String, first: String } = Error "event-namespace"
+        "component {id} is named `{name}`, but its first part is named `{first}`", "use one name for each component";
+    DuplicateInEvents { what: &'static str, name: String } = Error "duplicate-in-events"
+        "duplicate {what} `{name}`", "rename or remove one of them";
+    EventId { name: String, found: u32, expected: u32 } = Warning "event-id"
+        "the id of `{name}` is {found}, but its name has the hash {expected}", "use the hash; PX4 computes the ids \
+            of its events from their names";
+    EventMessageLength { length: usize, max: usize } = Error "event-message-length"
+        "the message has {length} characters", "write 1 to {max} characters, and the rest in the description";
+    EventTextLength { length: usize, max: usize } = Error "event-text-length"
+        "the text has {length} bytes", "write at most {max} bytes";
+    EventText { what: String } = Error "event-text"
+        "{what}", "correct the text; readers show the mistake as it is";
+    EventInstance { count: usize } = Error "event-instance"
+        "`instance_arg_index` refers to none of the {count} arguments", "write the index of an argument, from 0";
+    EventSize { name: String, size: usize, max: usize } = Error "event-size"
+        "the arguments of `{name}` take {size} bytes", "use smaller types or fewer arguments; an event has room for \
+            {max} bytes";
+    EventType { name: String, group: String } = Error "event-type"
+        "`{name}` is not a type of an event in the group `{group}`", "the groups `arming_check` and `health` have the \
+            type `summary`, and other groups `append_health_and_arming_messages`";
+    UnknownEventType { name: String } = Error "unknown-event-type"
+        "unknown type `{name}`", "write a type such as `uint8_t` or `float`, or the name of an enum";
+    EventArguments { name: String, expected: String } = Error "event-arguments"
+        "`{name}` has other arguments than its group and type require", "start with the arguments {expected}; those \
+            about modes and components are bit fields";
+
     // Translation catalogues
     MalformedCatalogue { what: &'static str } = Error "malformed-catalogue"
         "{what}", "write each entry as `msgctxt`, `msgid` and `msgstr`, each followed by strings in quotes";

@@ -11,7 +11,7 @@ use crate::source::{SourceId, SourceMap};
 #[derive(Clone, Copy, Debug)]
 pub struct Example {
     /// The file name. A `.msg` file inside a folder belongs to a ROS 2 package; other `.msg` files belong to PX4. A
-    /// `.po` file translates `TRANSLATED`. A `.toml` file contains hints for the conversions between the packages of
+    /// `.json` file is event metadata. A `.po` file translates `TRANSLATED`. A `.toml` file contains hints for the conversions between the packages of
     /// `CONVERTED`.
     pub path: &'static str,
     /// The content.
@@ -42,6 +42,9 @@ pub const CONVERTED: [Example; 2] = [
     Example { path: "new_msgs/Glider.msg", text: "float32 sink\nbool is_landed\n" },
 ];
 
+/// The extension of event metadata.
+const EVENTS: &str = ".json";
+
 /// The package of PX4 examples.
 const PACKAGE: &str = "demo";
 
@@ -55,6 +58,7 @@ pub fn packages<'f>(
     let mut packages: Vec<PackageInput> = Vec::new();
     for (path, text) in files.into_iter().filter(|(path, _)| !is_catalogue(path) && !is_hints(path)) {
         let form = match path.split_once('/') {
+            _ if path.ends_with(EVENTS) => Form::Events,
             _ if Kind::of(path).is_none() => Form::Table,
             Some(_) => Form::Msg(Dialect::Ros2),
             None => Form::Msg(Dialect::Px4),
@@ -123,6 +127,11 @@ impl Example {
     /// The name of the package.
     pub fn package(&self) -> &'static str {
         package_of(self.path)
+    }
+
+    /// True if the file has no comments in which a finding could be ignored.
+    pub fn is_data(&self) -> bool {
+        is_catalogue(self.path) || is_hints(self.path) || self.path.ends_with(EVENTS)
     }
 
     /// The path and text. A catalogue and hints are preceded by the definitions that they refer to.

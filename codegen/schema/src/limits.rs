@@ -42,6 +42,23 @@ pub(crate) const MAX_NESTED_FIELDS_IN_ALL: u64 = 1 << 22;
 /// The maximum total number of enum members.
 pub(crate) const MAX_MEMBERS: usize = 1 << 20;
 
+// Event metadata.
+
+/// The maximum length of a file with event metadata, in bytes. The longest known one is 160 kB. A parsed value takes more
+/// memory than its text.
+pub const MAX_EVENTS_LEN: usize = 1 << 20;
+
+/// The maximum memory that xz may reserve, in KiB. PX4's build uses a dictionary of 64 MiB. A file uses only as much of it
+/// as the file is long.
+pub(crate) const MAX_XZ_MEMORY: u32 = 66 << 10;
+
+/// The maximum number of mistakes that are reported for a file, and for a package.
+pub(crate) const MAX_MISTAKES: usize = 1_000;
+
+/// The maximum length of a text of an event, in bytes. Reading a hostile text takes time proportional to the square of its
+/// length.
+pub(crate) const MAX_EVENT_TEXT: usize = 4 << 10;
+
 // Tables.
 
 /// The maximum nesting depth of a type in a table.

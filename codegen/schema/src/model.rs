@@ -7,6 +7,7 @@ use uavspec_runtime::Scalar;
 use super::documentation::Docs;
 use super::enumeration::{Enum, EnumRef};
 use super::error_codes::ErrorTable;
+use super::event::{EventArgument, EventComponent, EventEnum, EventEnumRef, scalar_name};
 use super::id::MessageId;
 use super::json_type::{
     Definition, ERROR_CODE, ERROR_LIST, Expression, JsonMessage, JsonMessageId, JsonType, JsonTypeId,
@@ -107,6 +108,8 @@ pub struct Package {
     pub json_types: Vec<JsonTypeId>,
     /// The messages on the package's pages, by name.
     pub json_messages: Vec<JsonMessageId>,
+    /// The components with events, by id.
+    pub components: Vec<EventComponent>,
 }
 
 impl Package {
@@ -124,6 +127,7 @@ impl Package {
             error_tables: Vec::new(),
             json_types: Vec::new(),
             json_messages: Vec::new(),
+            components: Vec::new(),
         }
     }
 
@@ -133,6 +137,19 @@ impl Package {
         self.messages.iter().chain(parts).copied()
     }
 
+    /// The enum that an argument of an event refers to.
+    pub fn event_enum(&self, reference: EventEnumRef) -> &EventEnum {
+        &self.components[reference.component].enums[reference.index]
+    }
+
+    /// The type of an argument of an event, as written in event metadata of its component.
+    pub fn event_type(&self, component: &EventComponent, argument: &EventArgument) -> String {
+        let Some(reference) = argument.enumeration else { return scalar_name(argument.scalar).into_owned() };
+        let owner = &self.components[reference.component];
+        let name = &self.event_enum(reference).name;
+        if owner.id == component.id { name.clone() } else { format!("{}::{name}", owner.namespace) }
+    }
+
     /// True if the package contains no definitions.
     pub fn is_empty(&self) -> bool {
         self.messages.is_empty()
@@ -140,6 +157,7 @@ impl Package {
             && self.error_tables.is_empty()
             && self.json_types.is_empty()
             && self.json_messages.is_empty()
+            && self.components.is_empty()
     }
 }
 
@@ -150,6 +168,8 @@ pub enum Form {
     Msg(Dialect),
     /// Pages with specification tables.
     Table,
+    /// Event metadata.
+    Events,
 }
 
 impl Form {
@@ -158,6 +178,7 @@ impl Form {
         match self {
             Self::Msg(dialect) => dialect.name(),
             Self::Table => "table",
+            Self::Events => "events",
         }
     }
 }

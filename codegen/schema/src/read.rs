@@ -5,7 +5,7 @@ use crate::msg::{self, Kind};
 use crate::parallel::in_parts;
 use crate::resolve::{PackageSource, resolve, resolve_formats};
 use crate::source::{SourceId, SourceMap, Span, stem};
-use crate::{Form, Schema, table};
+use crate::{Form, Schema, event, table};
 
 /// A package to read.
 #[derive(Clone, Debug)]
@@ -47,7 +47,7 @@ impl PackageInput {
         match (&self.ros_package, self.form) {
             (Some(name), _) => name,
             (None, Form::Msg(dialect @ msg::Dialect::Px4)) if self.name == dialect.name() => PX4_ROS_PACKAGE,
-            (None, Form::Msg(_) | Form::Table) => &self.name,
+            (None, Form::Msg(_) | Form::Table | Form::Events) => &self.name,
         }
     }
 }
@@ -109,12 +109,20 @@ fn parse<'s>(
 ) -> PackageSource<'s> {
     let mut files = Vec::new();
     let mut pages = Vec::new();
+    let mut events = Vec::new();
     match package.form {
         Form::Table => {
             for id in &package.sources {
                 let (page, mut found) = table::parse(sources, *id);
                 diagnostics.append(&mut found);
                 pages.push(page);
+            }
+        }
+        Form::Events => {
+            for id in &package.sources {
+                let (file, mut found) = event::file::parse(sources, *id);
+                diagnostics.append(&mut found);
+                events.push(file);
             }
         }
         Form::Msg(dialect) => {
@@ -131,5 +139,5 @@ fn parse<'s>(
             }
         }
     }
-    PackageSource { input: package, files, pages }
+    PackageSource { input: package, files, pages, events }
 }

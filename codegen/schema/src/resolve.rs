@@ -4,6 +4,7 @@
 mod declare;
 mod enums;
 mod error_codes;
+mod events;
 mod gather;
 mod json_type;
 mod lower;
@@ -46,6 +47,7 @@ fn resolve_without_hashes<'s>(packages: &[PackageSource<'s>]) -> Resolver<'s> {
     resolver.declare(packages);
     resolver.lower(packages);
     resolver.tables(packages);
+    resolver.events(packages);
     let order = resolver.order();
     resolver.enums();
     resolver.measure(&order);

@@ -24,8 +24,8 @@ mod update;
 pub use self::language::{SOURCE_LANGUAGE, is_right_to_left, is_tag, name as language_name, shorter};
 pub use self::resolve::resolve;
 pub use self::text::{
-    MessageKeys, MessageText, Text, error_code_key, error_codes_unit, error_table_key, interface_unit,
-    message_unit, texts,
+    MessageKeys, MessageText, Text, error_code_key, error_codes_unit, error_table_key, event_key,
+    events_unit, in_language, interface_unit, message_unit, texts,
 };
 pub use self::translations::{Language, Translations};
 pub use self::update::{new_catalogue, update};

@@ -4,7 +4,7 @@
 //! `<code>`, and no error; it shows more than the example of the lint rule with this id. A case in `ok/<name>` causes no diagnostics. A folder `<code>-<case>` is an additional case
 //! for `<code>`.
 //!
-//! Markdown, `AsciiDoc` and text files are pages, and `.po` files are translation catalogues. Other files are PX4
+//! Markdown, `AsciiDoc` and text files are pages, `.json` files event metadata, and `.po` files translation catalogues. Other files are PX4
 //! definitions, unless a `dialect` file contains `ros2`. In that case, the case contains ROS 2 definitions, and each
 //! subfolder is a package.
 //!
@@ -22,7 +22,7 @@ use uavspec_schema::msg::{Dialect, Kind};
 use uavspec_schema::{Diagnostic, Form, PackageInput, SourceMap, read, render, translation};
 use uavspec_test_definitions as support;
 
-const FILES: [&str; 7] = ["msg", "srv", "action", "md", "adoc", "txt", "po"];
+const FILES: [&str; 8] = ["msg", "srv", "action", "md", "adoc", "txt", "json", "po"];
 
 fn fixtures() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures")
@@ -59,6 +59,7 @@ fn read_case(folder: &Path) -> (SourceMap, Vec<Diagnostic>) {
             file.strip_prefix(folder).expect("a file of the folder").to_string_lossy().replace('\\', "/");
         let is_message = Kind::of(&path).is_some();
         let (name, form) = match path.split_once('/') {
+            _ if path.ends_with(".json") => ("events", Form::Events),
             _ if !is_message => ("pages", Form::Table),
             Some((folder, _)) if is_ros2 => (folder, Form::Msg(Dialect::Ros2)),
             None if is_ros2 => ("demo", Form::Msg(Dialect::Ros2)),

@@ -86,6 +86,8 @@ pub(crate) enum DialectName {
     Ros2,
     /// Pages with specification tables
     Table,
+    /// Event metadata of PX4
+    Events,
 }
 
 impl From<DialectName> for Form {
@@ -94,6 +96,7 @@ impl From<DialectName> for Form {
             DialectName::Px4 => Self::Msg(Dialect::Px4),
             DialectName::Ros2 => Self::Msg(Dialect::Ros2),
             DialectName::Table => Self::Table,
+            DialectName::Events => Self::Events,
         }
     }
 }

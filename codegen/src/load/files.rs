@@ -1,9 +1,9 @@
 //! Finds and reads the files of a plan.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 use globset::{GlobBuilder, GlobSetBuilder};
 use uavspec_dynamic::conversion::Request;
@@ -16,7 +16,7 @@ use uavspec_schema::name::package_problem;
 use uavspec_schema::path::normalise;
 use uavspec_schema::read::PackageInput;
 use uavspec_schema::source::{SourceId, SourceMap, Span};
-use uavspec_schema::{Form, terminal};
+use uavspec_schema::{Form, event, terminal};
 use walkdir::WalkDir;
 
 use super::built_in::{self, BuiltIn};
@@ -233,7 +233,8 @@ impl Loader<'_> {
                 None => fs::read(path).map_err(|error| unreadable(path, &error))?,
             };
             self.loaded.files.push(path.clone());
-            match self.loaded.sources.add(self.shown(path), bytes) {
+            let text = text_of(bytes).map_err(|error| unreadable(path, &error))?;
+            match self.loaded.sources.add(self.shown(path), text) {
                 Ok(id) => {
                     self.loaded.paths.insert(id, path.clone());
                     sources.push(id);
@@ -460,6 +461,7 @@ fn expected_files(form: Form) -> String {
             format!("definitions of the {dialect} dialect are .msg, .srv and .action files")
         }
         Form::Table => format!("pages with tables have the extension .{}", PAGE_EXTENSIONS.join(", .")),
+        Form::Events => "event metadata has the extension .json or .json.xz".to_owned(),
     }
 }
 
@@ -469,7 +471,18 @@ pub fn is_definition(path: &Path, form: Form) -> bool {
     match form {
         Form::Msg(_) => Kind::of(&format!(".{extension}")).is_some(),
         Form::Table => PAGE_EXTENSIONS.contains(&extension),
+        Form::Events => extension == "json" || is_compressed(path),
     }
+}
+
+/// The text of a file, which may be compressed.
+fn text_of(bytes: Vec<u8>) -> io::Result<Vec<u8>> {
+    if event::is_compressed(&bytes) { event::decompress(&bytes) } else { Ok(bytes) }
+}
+
+/// True for event metadata as PX4's build writes it.
+fn is_compressed(path: &Path) -> bool {
+    path.to_string_lossy().ends_with(".json.xz")
 }
 
 fn is_catalogue(path: &Path) -> bool {

@@ -63,6 +63,7 @@ pub mod cdr;
 mod constraint;
 pub mod descriptor;
 mod error;
+pub mod event;
 mod fixed;
 mod flag;
 #[cfg(feature = "serde")]

@@ -2,8 +2,12 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
+use uavspec_runtime::Scalar;
 use uavspec_schema::source::Span;
-use uavspec_schema::{ErrorCode, Interface, Kind, MessageId, Package, Schema, Type};
+use uavspec_schema::{
+    ErrorCode, Event, EventArgument, EventComponent, EventEnum, Interface, Kind, MessageId, Package, Schema,
+    Type,
+};
 
 use super::message::{Between, Matched, Matching, Pair, PairOf, is_uorb};
 use super::order::likeness;
@@ -19,6 +23,10 @@ pub(crate) struct Comparison<'a> {
     pub changes: Vec<MessageChange<'a>>,
     /// The error codes.
     pub codes: Vec<CodeChange<'a>>,
+    /// The events.
+    pub events: Vec<EventChange<'a>>,
+    /// The enums of events that both versions have.
+    pub event_enums: Vec<(&'a EventEnum, &'a EventEnum)>,
 }
 
 /// A message, a service or an action that was added, removed or renamed.
@@ -60,6 +68,41 @@ pub(crate) enum CodeChange<'a> {
     Same(&'a ErrorCode, &'a ErrorCode),
 }
 
+/// An event in one or both versions.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum EventChange<'a> {
+    /// Only in the old version.
+    Removed(&'a Event),
+    /// Only in the new version.
+    Added(&'a Event),
+    /// In both versions, with the packages and components.
+    Same(EventIn<'a>, EventIn<'a>),
+}
+
+/// An event, with its component and its package.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct EventIn<'a> {
+    package: &'a Package,
+    component: &'a EventComponent,
+    /// The event.
+    pub event: &'a Event,
+}
+
+impl EventIn<'_> {
+    /// The arguments as in a declaration in C: `uint8_t tank, float depth`.
+    pub(super) fn arguments(&self) -> String {
+        let argument = |argument: &EventArgument| {
+            format!("{} {}", self.package.event_type(self.component, argument), argument.name)
+        };
+        self.event.arguments.iter().map(argument).collect::<Vec<_>>().join(", ")
+    }
+
+    /// The types of the arguments in bytes, where an enum has the type of its numbers.
+    pub(super) fn layout(&self) -> Vec<Scalar> {
+        self.event.arguments.iter().map(|argument| argument.scalar).collect()
+    }
+}
+
 impl<'a> Comparison<'a> {
     /// Matches two versions.
     pub(crate) fn new(old: &'a Schema, new: &'a Schema, between: Between) -> Self {
@@ -73,11 +116,20 @@ impl<'a> Comparison<'a> {
         others: &[(MessageId, MessageId)],
         between: Between,
     ) -> Self {
-        let mut matcher = Matcher { old, new, twins: Vec::new(), changes: Vec::new(), codes: Vec::new() };
+        let mut matcher = Matcher {
+            old,
+            new,
+            twins: Vec::new(),
+            changes: Vec::new(),
+            codes: Vec::new(),
+            events: Vec::new(),
+            event_enums: Vec::new(),
+        };
         for (before, after) in packages {
             matcher.messages(before, after);
             matcher.interfaces(before, after);
             matcher.codes(before, after);
+            matcher.events(before, after);
         }
         let twin_of: HashMap<MessageId, MessageId> = matcher.twins.iter().copied().collect();
         let matching = Matching { old, new, twins: &twin_of };
@@ -96,7 +148,8 @@ impl<'a> Comparison<'a> {
         };
         let pairs =
             listed.zip(&fields).map(|((old, new), fields)| context.pair(*old, *new, fields)).collect();
-        Self { pairs, changes: matcher.changes, codes: matcher.codes }
+        let Matcher { changes, codes, events, event_enums, .. } = matcher;
+        Self { pairs, changes, codes, events, event_enums }
     }
 }
 
@@ -130,6 +183,8 @@ struct Matcher<'a> {
     twins: Vec<(MessageId, MessageId)>,
     changes: Vec<MessageChange<'a>>,
     codes: Vec<CodeChange<'a>>,
+    events: Vec<EventChange<'a>>,
+    event_enums: Vec<(&'a EventEnum, &'a EventEnum)>,
 }
 
 impl<'a> Matcher<'a> {
@@ -263,6 +318,39 @@ impl<'a> Matcher<'a> {
             });
         }
         self.codes.extend(after.into_values().map(CodeChange::Added));
+    }
+}
+
+impl<'a> Matcher<'a> {
+    /// Matches events by their ids, which are hashes of their names, and the enums by their names.
+    fn events(&mut self, old: Option<&'a Package>, new: Option<&'a Package>) {
+        let components = |package: Option<&'a Package>| {
+            let package = package.into_iter();
+            package.flat_map(|package| package.components.iter().map(move |component| (package, component)))
+        };
+        let by_id = |package: Option<&'a Package>| -> BTreeMap<u32, EventIn<'a>> {
+            let events = components(package).flat_map(|(package, component)| {
+                component.events.iter().map(move |event| EventIn { package, component, event })
+            });
+            events.map(|found| (found.event.id, found)).collect()
+        };
+        let mut after = by_id(new);
+        for (id, before) in by_id(old) {
+            self.events.push(match after.remove(&id) {
+                Some(after) => EventChange::Same(before, after),
+                None => EventChange::Removed(before.event),
+            });
+        }
+        self.events.extend(after.into_values().map(|added| EventChange::Added(added.event)));
+        let by_name = |package: Option<&'a Package>| -> BTreeMap<(u8, &'a str), &'a EventEnum> {
+            let enums = components(package).flat_map(|(_, component)| {
+                component.enums.iter().map(move |found| ((component.id, found.name.as_str()), found))
+            });
+            enums.collect()
+        };
+        let after = by_name(new);
+        let both = by_name(old).into_iter().filter_map(|(name, before)| Some((before, *after.get(&name)?)));
+        self.event_enums.extend(both);
     }
 }
 

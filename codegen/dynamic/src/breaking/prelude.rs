@@ -22,3 +22,17 @@ macro_rules! boats {
     };
 }
 pub(super) use boats;
+
+/// Event metadata of a component, from its members after the namespace.
+macro_rules! boat_events {
+    ($($line:literal),* $(,)?) => {
+        Example {
+            path: "events.json",
+            text: concat!(
+                "{\"version\": 2, \"components\": {\"9\": {\"namespace\": \"boat\",\n",
+                $($line, "\n",)* "}}}\n"
+            ),
+        }
+    };
+}
+pub(super) use boat_events;

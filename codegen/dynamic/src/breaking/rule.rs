@@ -1,12 +1,12 @@
 //! Rules about changes, and their findings.
 
-use uavspec_schema::Field;
 use uavspec_schema::diagnostic::Level;
 use uavspec_schema::example::Example;
 use uavspec_schema::finding::{Finding, Sides};
 use uavspec_schema::source::Span;
+use uavspec_schema::{EventEnum, Field};
 
-use super::comparison::{CodeChange, MessageChange};
+use super::comparison::{CodeChange, EventChange, MessageChange};
 use super::message::{ConstantChange, Pair};
 
 /// The users that a change affects.
@@ -78,6 +78,10 @@ pub(crate) enum Check {
     Constant(fn(&Pair<'_>, &ConstantChange<'_>, &mut Sink<'_>)),
     /// Checks each matched error code.
     ErrorCode(fn(&CodeChange<'_>, &mut Sink<'_>)),
+    /// Checks each event.
+    Event(fn(&EventChange<'_>, &mut Sink<'_>)),
+    /// Checks each enum of events that both versions have.
+    EventEnum(fn(&EventEnum, &EventEnum, &mut Sink<'_>)),
 }
 
 /// Collects the findings of a rule.

@@ -176,7 +176,7 @@ fn paired_packages<'s>(
     let mut pairs = vec![(Some(old.package()), Some(new.package()))];
     for package in old.schema.packages.iter().filter(|package| is_other(old, package)) {
         let twin = new.schema.packages.iter().find(|twin| twin.name == package.name && is_other(new, twin));
-        if twin.is_some() && package.form != Form::Table {
+        if twin.is_some() && matches!(package.form, Form::Msg(_)) {
             pairs.push((Some(package), twin));
         }
     }

@@ -29,6 +29,7 @@ pub(crate) fn edit_all(form: Form, files: &[(String, String)]) {
         Form::Msg(Dialect::Px4) => "px4",
         Form::Msg(Dialect::Ros2) => "ros2",
         Form::Table => "table",
+        Form::Events => "events",
     };
     let folder = tempfile::tempdir().expect("a folder");
     let config = format!(

@@ -1,5 +1,6 @@
 //! Parsed packages.
 
+use crate::event::file::EventFile;
 use crate::msg::Kind;
 use crate::msg::ast::Definition;
 use crate::read::PackageInput;
@@ -15,4 +16,6 @@ pub struct PackageSource<'s> {
     pub files: Vec<(&'s str, Kind, Span, Definition<'s>)>,
     /// The pages.
     pub pages: Vec<Page>,
+    /// The files with event metadata.
+    pub events: Vec<EventFile>,
 }

@@ -13,14 +13,18 @@
 //! | `px4/Wind::CMD_BLOW/parameter/1` | a parameter of a command, counted from 1 |
 //! | `px4/Wind::CMD_BLOW/parameter/1/invalid` | the text of a parameter constraint, here `invalid` |
 //! | `flockwave/error-code/134` | the description of an error code |
+//! | `px4_events/px4::battery_low` | the message of an event |
+//! | `px4_events/px4::battery_low/description` | the description of an event |
+//! | `px4_events/px4::failsafe_action_t/land` | an entry of an enum in event metadata |
 //! | `flockwave/error-table/128` | the title of the error-code table that starts at this code |
 
 use std::collections::BTreeSet;
 
+use super::translations::Language;
 use crate::msg::attribute::Attribute;
 use crate::msg::constraint::{self, ConstraintKind};
 use crate::source::Span;
-use crate::{Constraint, ErrorTable, Interface, Message, MessageId, Package, Schema};
+use crate::{Constraint, ErrorTable, EventComponent, Interface, Message, MessageId, Package, Schema};
 
 /// A translatable text.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -178,6 +182,40 @@ pub fn error_code_key(package: &Package, code: u32) -> String {
     format!("{}/error-code/{code}", package.name)
 }
 
+/// The unit of a component with events.
+pub fn events_unit(package: &Package, component: &EventComponent) -> String {
+    format!("{}/{}.events", package.name, component.namespace)
+}
+
+/// The key of an event's message, or of an enum's name, which is the prefix of the keys of its other texts.
+pub fn event_key(package: &Package, component: &EventComponent, name: &str) -> String {
+    format!("{}/{}::{name}", package.name, component.namespace)
+}
+
+/// The components of a package with translated texts. Texts without a translation stay as they are.
+pub fn in_language(package: &Package, language: &Language) -> Vec<EventComponent> {
+    let mut components = package.components.clone();
+    let translate = |key: &str, text: &mut String| {
+        if let Some(translation) = language.get(key) {
+            translation.clone_into(text);
+        }
+    };
+    for (component, own) in components.iter_mut().zip(&package.components) {
+        for found in &mut component.enums {
+            let key = event_key(package, own, &found.name);
+            found.entries.iter_mut().for_each(|entry| {
+                translate(&format!("{key}/{}", entry.name), &mut entry.description);
+            });
+        }
+        for event in &mut component.events {
+            let key = event_key(package, own, &event.name);
+            translate(&key, &mut event.message);
+            translate(&format!("{key}/description"), &mut event.description);
+        }
+    }
+    components
+}
+
 /// All translatable texts of a schema, unit by unit, in the order of the definitions. Empty texts and unselected
 /// messages are skipped.
 pub fn texts(schema: &Schema) -> Vec<Text<'_>> {
@@ -192,7 +230,9 @@ pub fn texts(schema: &Schema) -> Vec<Text<'_>> {
             interface.parts.iter().for_each(|id| push_message(schema, *id, &unit, &mut texts));
         }
         push_error_codes(package, &mut texts);
+        package.components.iter().for_each(|component| push_events(package, component, &mut texts));
     }
+    texts.retain(|text| !text.text.is_empty());
     texts
 }
 
@@ -254,5 +294,22 @@ fn push_error_codes<'s>(package: &'s Package, texts: &mut Vec<Text<'s>>) {
             });
         }
     }
-    texts.retain(|text| !text.text.is_empty());
+}
+
+fn push_events<'s>(package: &'s Package, component: &'s EventComponent, texts: &mut Vec<Text<'s>>) {
+    let unit = events_unit(package, component);
+    let mut push = |key, text: &'s str, span| {
+        texts.push(Text { unit: unit.clone(), key, text, note: String::new(), span });
+    };
+    for found in &component.enums {
+        let key = event_key(package, component, &found.name);
+        for entry in &found.entries {
+            push(format!("{key}/{}", entry.name), &entry.description, entry.span);
+        }
+    }
+    for event in &component.events {
+        let key = event_key(package, component, &event.name);
+        push(key.clone(), &event.message, event.span);
+        push(format!("{key}/description"), &event.description, event.span);
+    }
 }

@@ -1,0 +1,28 @@
+//! Event metadata as PX4 stores it: JSON, compressed with xz.
+
+use std::io::{self, Read};
+
+use lzma_rust2::XzReader;
+
+use crate::limits::{MAX_EVENTS_LEN, MAX_XZ_MEMORY};
+
+/// The first bytes of every xz file.
+const MAGIC: [u8; 6] = [0xFD, b'7', b'z', b'X', b'Z', 0];
+
+/// True if bytes are compressed with xz.
+pub fn is_compressed(bytes: &[u8]) -> bool {
+    bytes.starts_with(&MAGIC)
+}
+
+/// Decompresses event metadata, and verifies its checksum. Fails if the bytes are damaged, or if the result is longer than
+/// 1 MiB.
+pub fn decompress(bytes: &[u8]) -> io::Result<Vec<u8>> {
+    let mut reader = XzReader::new_mem_limit(bytes, false, MAX_XZ_MEMORY);
+    let mut text = Vec::new();
+    reader.by_ref().take(MAX_EVENTS_LEN as u64).read_to_end(&mut text)?;
+    // The end of the stream contains the checksum.
+    if reader.read(&mut [0])? > 0 {
+        return Err(io::Error::other(format!("more than {MAX_EVENTS_LEN} bytes after decompression")));
+    }
+    Ok(text)
+}

@@ -1,0 +1,175 @@
+//! Reads JSON with the location of each value.
+
+use jsonc_parser::ast::{ObjectProp, Value};
+use jsonc_parser::common::{Range, Ranged};
+use jsonc_parser::{CollectOptions, ParseOptions, parse_to_ast};
+
+use crate::diagnostic::{Diagnostic, Problem};
+use crate::limits::MAX_MISTAKES;
+use crate::span::Span;
+
+/// A string with its location.
+#[derive(Clone, Debug)]
+pub(crate) struct Located {
+    pub(crate) text: String,
+    pub(crate) span: Span,
+}
+
+/// Reads the values of a JSON text, and collects the mistakes.
+pub(super) struct Reader {
+    source: Span,
+    pub(super) diagnostics: Vec<Diagnostic>,
+}
+
+/// An object with a fixed set of members.
+pub(super) struct Members<'v, 's> {
+    /// A description of the object.
+    what: &'static str,
+    span: Span,
+    /// The known members, of which there are few.
+    found: Vec<(&'v str, &'v Value<'s>)>,
+}
+
+impl<'v, 's> Members<'v, 's> {
+    /// The value of a member, if it exists.
+    pub(super) fn get(&self, name: &str) -> Option<&'v Value<'s>> {
+        self.found.iter().find(|(found, _)| *found == name).map(|(_, value)| *value)
+    }
+}
+
+impl Reader {
+    pub(super) fn new(source: Span) -> Self {
+        Self { source, diagnostics: Vec::new() }
+    }
+
+    /// Parses a text, without the extensions of other JSON dialects.
+    pub(super) fn parse<'s>(&mut self, text: &'s str) -> Option<Value<'s>> {
+        let options = ParseOptions {
+            allow_comments: false,
+            allow_loose_object_property_names: false,
+            allow_trailing_commas: false,
+            allow_missing_commas: false,
+            allow_single_quoted_strings: false,
+            allow_hexadecimal_numbers: false,
+            allow_unary_plus_numbers: false,
+            allow_bare_decimal_point_numbers: false,
+            allow_non_finite_numbers: false,
+            allow_extended_string_escapes: false,
+        };
+        let (what, span) = match parse_to_ast(text, &CollectOptions::default(), &options) {
+            Ok(result) if result.value.is_some() => return result.value,
+            Ok(_) => ("the file is empty".to_owned(), self.source.part(0..0)),
+            Err(error) => (error.kind().to_string().to_lowercase(), self.span(error.range())),
+        };
+        self.report(Problem::InvalidJson { what }, span);
+        None
+    }
+
+    pub(super) fn report(&mut self, problem: Problem, span: Span) {
+        if self.diagnostics.len() < MAX_MISTAKES {
+            self.diagnostics.push(Diagnostic::new(problem, span));
+        }
+    }
+
+    pub(super) fn span(&self, range: Range) -> Span {
+        self.source.part(range.start..range.end)
+    }
+
+    fn wrong_type<T>(&mut self, value: &Value<'_>, what: &str, expected: &'static str) -> Option<T> {
+        self.report(Problem::MemberType { what: what.to_owned(), expected }, self.span(value.range()));
+        None
+    }
+
+    /// The members of an object, in order.
+    pub(super) fn object<'v, 's>(
+        &mut self,
+        value: &'v Value<'s>,
+        what: &str,
+    ) -> Option<&'v [ObjectProp<'s>]> {
+        match value {
+            Value::Object(object) => Some(&object.properties),
+            _ => self.wrong_type(value, what, "an object"),
+        }
+    }
+
+    /// The elements of a list.
+    pub(super) fn list<'v, 's>(&mut self, value: &'v Value<'s>, what: &str) -> Option<&'v [Value<'s>]> {
+        match value {
+            Value::Array(list) => Some(&list.elements),
+            _ => self.wrong_type(value, what, "a list"),
+        }
+    }
+
+    pub(super) fn string(&mut self, value: &Value<'_>, what: &str) -> Option<Located> {
+        match value {
+            Value::StringLit(string) => {
+                Some(Located { text: string.value.clone().into_owned(), span: self.span(string.range) })
+            }
+            _ => self.wrong_type(value, what, "a string"),
+        }
+    }
+
+    pub(super) fn number(&mut self, value: &Value<'_>, what: &str) -> Option<u32> {
+        let number = value.as_number_lit().and_then(|number| number.value.parse().ok());
+        number.or_else(|| self.wrong_type(value, what, "an integer from 0 to 4294967295"))
+    }
+
+    pub(super) fn flag(&mut self, value: &Value<'_>, what: &str) -> Option<bool> {
+        match value {
+            Value::BooleanLit(flag) => Some(flag.value),
+            _ => self.wrong_type(value, what, "true or false"),
+        }
+    }
+
+    /// An object with certain members. Reports members that are unknown or stated twice.
+    pub(super) fn members<'v, 's>(
+        &mut self,
+        value: &'v Value<'s>,
+        what: &'static str,
+        known: &[&str],
+    ) -> Option<Members<'v, 's>> {
+        let mut found: Vec<(&str, &Value<'_>)> = Vec::new();
+        for member in self.object(value, what)? {
+            let name = member.name.as_str();
+            if !known.contains(&name) {
+                let Located { text: name, span } = self.key(member);
+                self.report(Problem::UnknownMember { name, what, known: known.join(", ") }, span);
+            } else if found.iter().any(|(known, _)| *known == name) {
+                let Located { text: name, span } = self.key(member);
+                self.report(Problem::DuplicateMember { name, what }, span);
+            } else {
+                found.push((name, &member.value));
+            }
+        }
+        Some(Members { what, span: self.span(value.range()), found })
+    }
+
+    /// The name of a member.
+    pub(super) fn key(&self, member: &ObjectProp<'_>) -> Located {
+        Located { text: member.name.as_str().to_owned(), span: self.span(member.name.range()) }
+    }
+
+    /// The value of a member that must exist.
+    pub(super) fn require<'v, 's>(
+        &mut self,
+        members: &Members<'v, 's>,
+        name: &'static str,
+    ) -> Option<&'v Value<'s>> {
+        let found = members.get(name);
+        if found.is_none() {
+            self.report(Problem::MissingMember { name, what: members.what }, members.span.part(0..1));
+        }
+        found
+    }
+
+    /// The text of a member that must exist.
+    pub(super) fn required_text(&mut self, members: &Members<'_, '_>, name: &'static str) -> Option<Located> {
+        let value = self.require(members, name)?;
+        self.string(value, name)
+    }
+
+    /// The text of a member that may be absent.
+    pub(super) fn text(&mut self, members: &Members<'_, '_>, name: &'static str) -> Option<Located> {
+        members.get(name).and_then(|value| self.string(value, name))
+    }
+}
