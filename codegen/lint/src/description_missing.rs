@@ -13,7 +13,7 @@ pub(super) const RULE: Rule = Rule {
     bad: winch![codes: "| 64 | ROPE | |"],
     good: winch![codes: "| 64 | ROPE | The rope is worn. |"],
     measured: None,
-    check: Check::ErrorCodes(check),
+    check: Check::Package(check),
 };
 
 fn check(package: &Package, _: &SourceMap, sink: &mut Sink<'_>) {

@@ -51,6 +51,7 @@ mod duplicate_topic;
 mod enum_alias;
 mod enum_of_bits;
 mod enum_type;
+mod event_argument_unused;
 mod field_comment_missing;
 mod frame_unknown;
 mod header_end;
@@ -90,7 +91,7 @@ use uavspec_schema::parallel::in_parts;
 use uavspec_schema::read::{PackageInput, parse_all};
 use uavspec_schema::resolve::{PackageSource, resolve, resolve_formats};
 use uavspec_schema::source::{SourceId, SourceMap};
-use uavspec_schema::{Form, Package, Schema, translation};
+use uavspec_schema::{Schema, translation};
 
 pub use self::fix::{apply, edited};
 pub use self::rule::{Check, Levels, Measured, Preset, Rule, Scope};
@@ -119,6 +120,10 @@ pub const RULES: &[&Rule] = &[
     &parser_warnings::ENUM_ON_NON_INTEGER,
     &enum_type::RULE,
     &parser_warnings::ENUM_VALUE_OUT_OF_RANGE,
+    &event_argument_unused::RULE,
+    &parser_warnings::EVENT_BIT,
+    &parser_warnings::EVENT_ID,
+    &parser_warnings::EVENT_VERSION,
     &field_comment_missing::RULE,
     &frame_unknown::RULE,
     &header_end::RULE,
@@ -158,6 +163,7 @@ pub const RULES: &[&Rule] = &[
     &parser_warnings::UNKNOWN_CONSTANT,
     &parser_warnings::UNKNOWN_ENUM,
     &unknown_escape::RULE,
+    &parser_warnings::UNKNOWN_MEMBER,
     &parser_warnings::UNKNOWN_TRANSLATION,
     &parser_warnings::UNKNOWN_UNIT,
     &ignore::UNUSED,
@@ -280,10 +286,8 @@ impl Linter<'_> {
             })
         });
         let of_packages = self.apply(|check, sink| match check {
-            Check::ErrorCodes(check) => {
-                let has_tables = |package: &&Package| package.form == Form::Table;
-                let packages = self.schema.packages.iter().filter(has_tables);
-                packages.for_each(|package| check(package, self.sources, sink));
+            Check::Package(check) => {
+                self.schema.packages.iter().for_each(|package| check(package, self.sources, sink));
             }
             Check::Conversion(check) => {
                 let converted = answers.iter().map(|answer| Converted { schema: self.schema, answer });
@@ -318,6 +322,7 @@ fn selected(sources: &SourceMap, schema: &Schema, parsed: &[PackageSource<'_>]) 
         } else {
             let spans = source.files.iter().map(|(_, _, span, _)| *span);
             let spans = spans.chain(source.pages.iter().map(|page| page.span));
+            let spans = spans.chain(source.events.iter().map(|file| file.span));
             selected.extend(spans.map(|span| sources.source_of(span)));
         }
     }

@@ -69,6 +69,55 @@ pub(super) const ENUM_VALUE_OUT_OF_RANGE: Rule = Rule {
     ..WARNING
 };
 
+pub(super) const EVENT_BIT: Rule = Rule {
+    id: "event-bit",
+    statement: "An entry of a bit field in event metadata that isn't a single bit.",
+    why: "Readers look up each bit of a value. They never show the entry.",
+    fix: "Use a power of two, or remove `is_bitfield` if the values aren't bits.",
+    bad: winch_events![
+        " \"enums\": {\"end_t\": {\"type\": \"uint8_t\", \"is_bitfield\": true, \"entries\": {",
+        "  \"3\": {\"name\": \"both\", \"description\": \"Both ends\"}}}}"
+    ],
+    good: winch_events![
+        " \"enums\": {\"end_t\": {\"type\": \"uint8_t\", \"is_bitfield\": true, \"entries\": {",
+        "  \"4\": {\"name\": \"both\", \"description\": \"Both ends\"}}}}"
+    ],
+    ..UNMEASURED
+};
+
+pub(super) const EVENT_ID: Rule = Rule {
+    id: "event-id",
+    statement: "An event whose id isn't the hash of its name.",
+    why: "PX4 computes the id of an event from its name. The firmware sends an id that the metadata doesn't contain, \
+        so no reader finds the text.",
+    fix: "Use the lower 24 bits of the FNV-1a hash of the name. Only the component `common` numbers its events.",
+    bad: winch_events![
+        " \"event_groups\": {\"default\": {\"events\": {",
+        "  \"12\": {\"name\": \"rope_torn\", \"message\": \"Rope torn\"}}}}"
+    ],
+    good: winch_events![
+        " \"event_groups\": {\"default\": {\"events\": {",
+        "  \"6674671\": {\"name\": \"rope_torn\", \"message\": \"Rope torn\"}}}}"
+    ],
+    ..UNMEASURED
+};
+
+pub(super) const EVENT_VERSION: Rule = Rule {
+    id: "event-version",
+    statement: "Event metadata of an unknown version.",
+    why: "The file may contain more than uavspec reads.",
+    fix: "Use version 2, or a newer version of uavspec.",
+    bad: winch_events![version 3:
+        " \"event_groups\": {\"default\": {\"events\": {",
+        "  \"6674671\": {\"name\": \"rope_torn\", \"message\": \"Rope torn\"}}}}"
+    ],
+    good: winch_events![version 2:
+        " \"event_groups\": {\"default\": {\"events\": {",
+        "  \"6674671\": {\"name\": \"rope_torn\", \"message\": \"Rope torn\"}}}}"
+    ],
+    ..UNMEASURED
+};
+
 pub(super) const INVISIBLE_CHARACTER: Rule = Rule {
     id: "invisible-character",
     statement: "A zero-width character, or a character that changes the text direction.",
@@ -284,6 +333,22 @@ pub(super) const UNKNOWN_ENUM: Rule = Rule {
     ],
     measured: Some(Measured { findings: 2, sample: 2, right: 2 }),
     ..WARNING
+};
+
+pub(super) const UNKNOWN_MEMBER: Rule = Rule {
+    id: "unknown-member",
+    statement: "A member of event metadata that the format doesn't have.",
+    why: "Readers ignore the member. Its name may be misspelt.",
+    fix: "Correct the name, or remove the member.",
+    bad: winch_events![
+        " \"event_groups\": {\"default\": {\"events\": {",
+        "  \"6674671\": {\"name\": \"rope_torn\", \"text\": \"Torn\", \"message\": \"Rope torn\"}}}}"
+    ],
+    good: winch_events![
+        " \"event_groups\": {\"default\": {\"events\": {",
+        "  \"6674671\": {\"name\": \"rope_torn\", \"description\": \"Torn\", \"message\": \"Rope torn\"}}}}"
+    ],
+    ..UNMEASURED
 };
 
 pub(super) const UNKNOWN_TRANSLATION: Rule = Rule {

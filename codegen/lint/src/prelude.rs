@@ -33,6 +33,21 @@ macro_rules! winch {
 }
 pub(super) use winch;
 
+/// Example event metadata of a component, from its members after the namespace.
+macro_rules! winch_events {
+    (version $version:literal: $($line:literal),* $(,)?) => {
+        Example {
+            path: "events.json",
+            text: concat!(
+                "{\"version\": ", $version, ", \"components\": {\"9\": {\"namespace\": \"winch\",\n",
+                $($line, "\n",)* "}}}\n"
+            ),
+        }
+    };
+    ($($line:literal),* $(,)?) => { winch_events![version 2: $($line),*] };
+}
+pub(super) use winch_events;
+
 /// An example catalogue, from the contexts, texts and translations of its entries.
 macro_rules! ukrainian {
     ($($context:literal, $text:literal, $translation:literal);* $(;)?) => {

@@ -82,8 +82,8 @@ pub enum Check {
     Text(fn(&SourceText<'_>, &mut Sink<'_>)),
     /// Checks each message of a scope, including the parts of services and actions.
     Message(Scope, fn(&Subject<'_>, &mut Sink<'_>)),
-    /// Checks the error codes of each package.
-    ErrorCodes(fn(&Package, &SourceMap, &mut Sink<'_>)),
+    /// Checks each package.
+    Package(fn(&Package, &SourceMap, &mut Sink<'_>)),
     /// Checks the conversions that share a file with hints.
     Conversion(fn(&Converted<'_>, &mut Sink<'_>)),
     /// Checks the ignore comments.

@@ -23,7 +23,7 @@ pub(super) const RULE: Rule = Rule {
                |-----:|------|-------------|\n| 704 | ROPE | Fatal: the rope is torn. |\n",
     },
     measured: None,
-    check: Check::ErrorCodes(check),
+    check: Check::Package(check),
 };
 
 /// Words for severities, in lower case and singular.

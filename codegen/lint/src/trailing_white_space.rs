@@ -21,8 +21,8 @@ pub(super) const RULE: Rule = Rule {
 };
 
 fn check(text: &SourceText<'_>, sink: &mut Sink<'_>) {
-    // In Markdown, two spaces at the end are a line break.
-    if text.form == Form::Table {
+    // In Markdown, two spaces at the end are a line break. Programs write event metadata.
+    if !matches!(text.form, Form::Msg(_)) {
         return;
     }
     for (line, span) in text.lines() {
