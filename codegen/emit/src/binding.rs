@@ -6,6 +6,7 @@
 mod declaration;
 mod declare;
 mod declarer;
+mod event;
 mod json_type;
 mod labels;
 mod message;
@@ -17,5 +18,6 @@ pub(super) use self::declaration::{
     float, quoted,
 };
 pub(super) use self::declare::modules;
+pub(super) use self::event::{KnownEnum, KnownEvent, KnownEvents};
 pub(super) use self::labels::{LabelLanguage, Labels, labels};
 pub(super) use self::names::{identifier, is_python_keyword};

@@ -35,6 +35,7 @@ mod configuration;
 mod constants;
 mod enums;
 mod error_codes;
+mod events;
 mod fields;
 mod groups;
 mod histories;

@@ -11,6 +11,7 @@
 //! assert_eq!(message["fields"][1]["unit"], "m/s");
 //! ```
 
+mod event;
 mod json_type;
 mod value;
 
@@ -69,6 +70,7 @@ fn package(schema: &Schema, package: &Package) -> Json {
         "error_codes": error_codes,
         "types": json_type::types(schema, package),
         "json_messages": json_type::messages(schema, package),
+        "components": package.components.iter().map(|found| event::component(package, found)).collect::<Map<_, _>>(),
     })
 }
 

@@ -1,4 +1,5 @@
-//! JSON Schemas, draft 2020-12. Each message, service part and set of error codes has a file. Each type defined on a
+//! JSON Schemas, draft 2020-12. Each message, service part and set of error codes has a
+//! file, and so has each component with events. Each type defined on a
 //! page has a file, and so does each direction of a message defined on a page. For tools that can't follow references
 //! between files, each package has a bundle.
 //!
@@ -54,6 +55,7 @@ mod address;
 mod annotation;
 mod bounds;
 mod error_code;
+mod event;
 mod field;
 mod json_type;
 mod message;
@@ -137,6 +139,7 @@ pub(super) fn targets(schema: &Schema, package: &Package, index: usize) -> Vec<T
     targets.extend(messages.flat_map(|(id, message)| {
         message.parts.iter().map(move |part| Target::JsonPart(id, part.direction))
     }));
+    targets.extend((0..package.components.len()).map(|component| Target::Events(index, component)));
     targets
 }
 
@@ -155,6 +158,10 @@ impl<'s> Emitter<'s> {
             Target::ErrorList(index) => error_code::list_members(&self.schema.packages[index], index),
             Target::JsonType(id) => json_type::type_members(self.schema, self.schema.json_type(id)),
             Target::JsonPart(id, direction) => self.part_members(id, direction),
+            Target::Events(index, component) => {
+                let package = &self.schema.packages[index];
+                event::members(package, &package.components[component])
+            }
         };
         self.definitions.insert(target, members);
     }

@@ -37,6 +37,7 @@
 //! ```
 
 mod error_code;
+mod event;
 mod item;
 mod labels;
 mod text;
@@ -87,6 +88,9 @@ pub fn emit(schema: &Schema, translations: &Translations) -> Vec<OutputFile> {
     if is_open_enum_used {
         files.push(OutputFile { path: format!("{OPEN_ENUM}.py"), text: open_enum() });
     }
+    if modules.iter().any(|module| module.events.is_some()) {
+        files.push(event::module());
+    }
     files.extend(labels(schema, translations).iter().flat_map(labels::files));
     OutputFile::sort(&mut files);
     files
@@ -116,6 +120,7 @@ fn head(module: &Module, uses: &Uses) -> String {
     }
     let mut local: Vec<String> =
         module.imports.iter().map(|name| format!("from . import {name}\n")).collect();
+    local.extend(module.events.is_some().then(event::import));
     local.extend(uses.is_open_enum_used.then(|| format!("from .{OPEN_ENUM} import OpenIntEnum\n")));
     if !local.is_empty() {
         text.push('\n');
@@ -139,6 +144,11 @@ fn body(module: &Module, uses: &mut Uses) -> String {
     if !module.error_codes.is_empty() {
         names.extend([ERROR_CODE, SEVERITY]);
         items.push(error_code::item(&module.error_codes, uses));
+    }
+    if let Some(events) = &module.events {
+        uses.typing.insert("Optional");
+        names.extend(event::NAMES);
+        items.push(event::item(events));
     }
     let names: String = names.into_iter().map(|name| format!("    \"{name}\",\n")).collect();
     let all = if names.is_empty() {

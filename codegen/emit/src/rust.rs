@@ -20,6 +20,7 @@ mod context;
 mod conversion;
 mod enumeration;
 mod error_code;
+mod event;
 mod file;
 mod identifier;
 mod imports;
@@ -33,9 +34,11 @@ use std::collections::BTreeMap;
 use proc_macro2::TokenStream;
 use quote::quote;
 use uavspec_dynamic::conversion::Conversions;
+use uavspec_lint::release::Releases;
 use uavspec_schema::failure::Failure;
 use uavspec_schema::parallel::in_parts;
 use uavspec_schema::source::SourceMap;
+use uavspec_schema::translation::Translations;
 use uavspec_schema::{Interface, MessageId, Package, Schema, prose};
 
 use self::context::{Context, Place};
@@ -66,7 +69,7 @@ impl Default for Options {
 
 impl Output for Options {
     fn emit(&self, input: Input<'_>) -> Result<Vec<OutputFile>, Failure> {
-        Ok(emit_with_conversions(input.schema, input.sources, input.conversions, self))
+        Ok(emit_all(input, self))
     }
 }
 
@@ -82,8 +85,16 @@ pub fn emit_with_conversions(
     conversions: &[Conversions],
     options: &Options,
 ) -> Vec<OutputFile> {
+    let (translations, releases) = (Translations::default(), Releases::default());
+    let input = Input { schema, sources, conversions, translations: &translations, releases: &releases };
+    emit_all(input, options)
+}
+
+fn emit_all(input: Input<'_>, options: &Options) -> Vec<OutputFile> {
+    let Input { schema, sources, conversions, translations, .. } = input;
     let mut context = Context {
         schema,
+        translations,
         origins: Origins::new(schema, sources),
         places: vec![None; schema.messages.len()],
         enum_names: vec![Vec::new(); schema.messages.len()],
@@ -272,9 +283,11 @@ fn package_files(context: &Context<'_>, package: &Package, module: &str) -> Vec<
         json = Some(json_type::declaration(module));
         files.append(&mut json_type::files(context, package, module));
     }
+    let (events, mut event_files) = event::files(context, package, module);
+    files.append(&mut event_files);
     let views = re_export_views(context, &package.messages);
     let layouts = assert_layouts(context, &package.messages);
-    let tokens = quote!(#doc #error_codes #(#messages)* #(#kinds)* #json #views #layouts);
+    let tokens = quote!(#doc #error_codes #(#messages)* #(#kinds)* #json #events #views #layouts);
     let text = header_of_package(package) + &layout_file(tokens);
     files.push(OutputFile { path: format!("{module}.rs"), text });
     for kind in ["srv", "action"] {

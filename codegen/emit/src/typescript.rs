@@ -34,6 +34,7 @@
 
 mod comment;
 mod error_code;
+mod event;
 mod item;
 mod labels;
 mod language;
@@ -92,6 +93,9 @@ pub fn emit(schema: &Schema, translations: &Translations, options: &Options) -> 
                 .iter()
                 .map(|module| OutputFile { path: path(&module.name), text: package(module, *language) }),
         );
+        if modules.iter().any(|module| module.events.is_some()) {
+            files.push(event::module(*language));
+        }
         files.extend(labels.iter().flat_map(|labels| labels::files(labels, *language)));
     }
     if options.form == Form::Compiled {
@@ -141,11 +145,15 @@ fn package(module: &Module, language: Language) -> String {
         text.extend(imports.map(|name| format!("import type * as {name} from \"./{name}.{extension}\";\n")));
         text.push('\n');
     }
+    if module.events.is_some() {
+        text.push_str(&event::import(language));
+    }
     let mut items: Vec<String> =
         module.declarations.iter().map(|declaration| item::declaration(declaration, language)).collect();
     if !module.error_codes.is_empty() {
         items.extend(error_code::items(&module.error_codes, language));
     }
+    items.extend(module.events.iter().map(|events| event::item(events, language)));
     items.retain(|item| !item.is_empty());
     if items.is_empty() && language != Language::CommonJs {
         // A file without exports would not be a module.

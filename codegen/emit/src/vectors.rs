@@ -24,6 +24,8 @@
 //! - Definitions on pages have JSON cases only. The rules `SHAPE-TYPE`, `SHAPE-REQUIRED`, `SHAPE-FURTHER`,
 //!   `SHAPE-RANGE`, `SHAPE-LENGTH`, `SHAPE-UNIQUE`, `SHAPE-PATTERN` and `SHAPE-VALUE` name the violated part of the
 //!   schema.
+//! - Events have `json` with the decoded event, `arguments` with their 25 bytes, and `texts` with the message and the
+//!   description for each profile, in English.
 //! - An id describes the input, not the result. Adding fields to the message doesn't change the ids.
 //!
 //! `vectors.schema.json` describes these files.
@@ -53,6 +55,7 @@
 mod bytes;
 mod case;
 mod error_code;
+mod event;
 mod field;
 mod form;
 mod json_type;
@@ -105,6 +108,9 @@ pub fn emit(schema: &Schema, options: &Options) -> Vec<OutputFile> {
                 Target::ErrorCode(_) => (emitter.head(target, Vec::new()), error_code::codes(package)),
                 Target::ErrorList(_) => (emitter.head(target, Vec::new()), error_code::lists(package)),
                 Target::JsonType(id) => (emitter.head(target, Vec::new()), json_type::of_type(schema, id)),
+                Target::Events(_, component) => {
+                    (emitter.head(target, Vec::new()), event::cases(package, &package.components[component]))
+                }
                 Target::JsonPart(id, direction) => {
                     (emitter.head(target, Vec::new()), emitter.part(id, direction))
                 }

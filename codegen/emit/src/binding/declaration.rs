@@ -6,6 +6,8 @@ use std::fmt::Write as _;
 use uavspec_schema::prose;
 use uavspec_schema::value::Value;
 
+use super::event::KnownEvents;
+
 /// The module of a package.
 pub(crate) struct Module {
     /// File name without extension.
@@ -20,6 +22,8 @@ pub(crate) struct Module {
     pub(crate) declarations: Vec<Declaration>,
     /// Error codes in ascending order.
     pub(crate) error_codes: Vec<KnownCode>,
+    /// Events, if the package has any.
+    pub(crate) events: Option<KnownEvents>,
 }
 
 /// A named declaration.

@@ -8,7 +8,7 @@ use uavspec_schema::{ErrorCode, Package, Schema};
 use super::declaration::{Declaration, Kind, KnownCode, Module, Type};
 use super::declarer::Declarer;
 use super::names::{Names, identifier};
-use super::{json_type, message, text};
+use super::{event, json_type, message, text};
 use crate::identifier::error_code_names;
 
 /// Lowers all packages that contain definitions, sorted by name.
@@ -41,6 +41,7 @@ fn module(schema: &Schema, names: &mut Names, index: usize, package: &Package) -
     let imports = declarer.imports;
     declarations.append(&mut directions(schema, names, index, package));
     declarations.append(&mut all_messages(schema, names, index, package));
+    declarations.append(&mut event::declare(names, index, package));
     Module {
         name: names.modules[index].clone(),
         package: package.name.clone(),
@@ -48,6 +49,7 @@ fn module(schema: &Schema, names: &mut Names, index: usize, package: &Package) -
         imports,
         declarations,
         error_codes: error_codes(package),
+        events: (!package.components.is_empty()).then(|| event::known(package)),
     }
 }
 

@@ -28,7 +28,7 @@ const USED: &str = "Any Final Infinity IntFlag Literal NaN NotRequired OpenIntEn
     type";
 
 /// Module names that packages can't use, because other modules use them.
-const MODULES: [&str; 4] = ["data", "index", "labels", "manifest"];
+const MODULES: [&str; 5] = ["data", "events", "index", "labels", "manifest"];
 
 /// The names of all declarations.
 pub(super) struct Names {
@@ -59,7 +59,7 @@ pub(crate) fn identifier(name: &str) -> String {
 }
 
 /// Like [`identifier`], for modules and declarations. In Python, these names would hide builtins.
-fn top_level(name: &str) -> String {
+pub(super) fn top_level(name: &str) -> String {
     let name = identifier(name);
     if BUILTINS.lines().any(|builtin| builtin == name) { name + "_" } else { name }
 }

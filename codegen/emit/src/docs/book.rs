@@ -3,13 +3,13 @@
 use uavspec_schema::Package;
 use uavspec_schema::translation::{interface_unit, message_unit};
 
-use super::error_codes;
 use super::interface::kind_name;
 use super::json::Json;
 use super::markdown::{append, href, inline, link, notice};
 use super::options::Options;
 use super::rules::{self, Rules};
 use super::site::{Site, interface_path, path_in};
+use super::{error_codes, events};
 use crate::file::OutputFile;
 
 /// File name of the table of contents.
@@ -123,6 +123,11 @@ fn contents(site: &Site<'_>, package: &Package, mut item: impl FnMut(usize, &str
     }
     if !package.error_tables.is_empty() {
         for (depth, name, path) in error_codes::contents(site, package) {
+            item(depth, &name, &path);
+        }
+    }
+    for component in &package.components {
+        for (depth, name, path) in events::contents(site, package, component) {
             item(depth, &name, &path);
         }
     }

@@ -11,7 +11,7 @@ use super::options::Options;
 use super::scope::Scope;
 use super::site::{Part, Site, interface_path};
 use super::words::ENGLISH;
-use super::{error_codes, rules};
+use super::{error_codes, events, rules};
 use crate::file::OutputFile;
 
 /// Maximum length of an index cell, in characters.
@@ -85,6 +85,13 @@ fn contents(page: &mut Page, site: &Site<'_>, from: &str, package: &Package, lev
         page.heading(level, error_codes::TITLE);
         page.table(&error_codes::list(site, from, package));
         page.block(&link("All codes in one table", &href(from, &error_codes::overview_path(package), "")));
+    }
+    for component in &package.components {
+        page.heading(level, &events::title(ENGLISH, component));
+        let count = plural(component.events.len() as u64, "event");
+        let all =
+            link("All events in one table", &href(from, &events::overview_path(package, component), ""));
+        page.block(&format!("{count}. {all}"));
     }
 }
 

@@ -8,7 +8,7 @@ use super::histories::histories;
 use super::options::Options;
 use super::rules::Rules;
 use super::site::Site;
-use super::{book, error_codes, index, interface, json, message, picture};
+use super::{book, error_codes, events, index, interface, json, message, picture};
 use crate::file::OutputFile;
 
 /// Creates the documentation of all listed definitions, in English and in all translations. Files are in the order of
@@ -39,6 +39,7 @@ pub fn emit(
         files
             .extend(package.interfaces.iter().map(|interface| interface::page(&english, package, interface)));
         files.extend(error_codes::pages(&english, package));
+        files.extend(event_pages(&english, package));
         files.extend(json::Json::of(&english, package).pages());
     }
     for language in &translations.languages {
@@ -62,5 +63,17 @@ fn translated(site: &Site<'_>, package: &Package) -> Vec<OutputFile> {
     if site.has_page(&translation::error_codes_unit(package)) {
         files.extend(error_codes::pages(site, package));
     }
+    files.extend(event_pages(site, package));
     files
+}
+
+/// The pages of all components that have pages in the site language.
+fn event_pages(site: &Site<'_>, package: &Package) -> Vec<OutputFile> {
+    let Some(index) = site.schema.packages.iter().position(|known| known.name == package.name) else {
+        return Vec::new();
+    };
+    let components = package.components.iter().enumerate();
+    let components =
+        components.filter(|(_, component)| site.has_page(&translation::events_unit(package, component)));
+    components.flat_map(|(component, _)| events::pages(site, index, package, component)).collect()
 }

@@ -179,6 +179,18 @@ words! {
     FIND_A_CODE = "Find a code";
     FIND_EXAMPLE = "number, abbreviation, word …";
     SHOWN_OF_ALL = "{shown} of {all} codes";
+    // Events
+    EVENTS_OF = "Events of {component}";
+    EVENT_GROUP = "Group";
+    EVENT_MESSAGE = "Message";
+    ID = "Id";
+    ARGUMENTS = "Arguments";
+    PLACEHOLDER = "Placeholder";
+    FIND_AN_EVENT = "Find an event";
+    EVENT_EXAMPLE = "id, name, word …";
+    SHOWN_OF_EVENTS = "{shown} of {all} events";
+
+    // Severities and classes
     NO_ERROR = "no error";
     INFORMATIONAL = "informational";
     WARNING = "warning";

@@ -20,6 +20,8 @@ pub(crate) enum Target {
     JsonType(JsonTypeId),
     /// A message defined on a page, in one direction.
     JsonPart(JsonMessageId, Direction),
+    /// The events of a component: the index of the package, and that of the component.
+    Events(usize, usize),
 }
 
 /// The location of a [`Target`].
@@ -45,6 +47,10 @@ impl<'s> Address<'s> {
             Target::JsonType(id) => {
                 let found = schema.json_type(id);
                 Self { package: package(found.package), folder: None, name: &found.name }
+            }
+            Target::Events(index, component) => {
+                let name = &schema.packages[index].components[component].namespace;
+                Self { package: package(index), folder: None, name }
             }
             Target::JsonPart(id, direction) => {
                 let message = schema.json_message(id);

@@ -2,6 +2,7 @@
 
 use proc_macro2::TokenStream;
 use quote::quote;
+use uavspec_schema::translation::Translations;
 use uavspec_schema::{MessageId, Schema};
 
 use super::identifier::ident;
@@ -26,6 +27,7 @@ impl Place {
 /// The context that all parts of the emitter share.
 pub(super) struct Context<'s> {
     pub(super) schema: &'s Schema,
+    pub(super) translations: &'s Translations,
     pub(super) origins: Origins<'s>,
     /// Locations by [`MessageId`].
     pub(super) places: Vec<Option<Place>>,

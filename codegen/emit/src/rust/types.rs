@@ -29,7 +29,7 @@ pub(super) fn primitive(scalar: Scalar) -> TokenStream {
 pub(super) fn dialect(context: &Context<'_>, id: MessageId) -> Dialect {
     match context.schema.package_of(context.schema.message(id)).form {
         Form::Msg(dialect) => dialect,
-        Form::Table => Dialect::Ros2,
+        Form::Table | Form::Events => Dialect::Ros2,
     }
 }
 

@@ -154,6 +154,10 @@ pub(super) struct Case {
     pub(super) decoded: Option<String>,
     pub(super) uorb: Option<Vec<u8>>,
     pub(super) cdr: Option<Vec<u8>>,
+    /// The arguments of an event.
+    pub(super) arguments: Option<Vec<u8>>,
+    /// The message and the description of an event, by profile.
+    pub(super) texts: Vec<(&'static str, [String; 2])>,
     /// Class and severity of an error code.
     pub(super) class: Option<(&'static str, &'static str)>,
     /// The published schema's verdict on the JSON. `None` if the verdict is not tested.

@@ -32,6 +32,17 @@ pub(super) fn file(options: &Options) -> OutputFile {
             "uorb": hex("The uORB payload in hexadecimal."),
             "cdr": hex("The CDR payload with its header in hexadecimal. The payload is little-endian unless \
                 the header declares otherwise."),
+            "arguments": hex("The arguments of an event in hexadecimal."),
+            "texts": {
+                "description": "The texts of an event in English, by the profile of the reader.",
+                "type": "object",
+                "additionalProperties": {
+                    "type": "object",
+                    "properties": {"message": {"type": "string"}, "description": {"type": "string"}},
+                    "required": ["message", "description"],
+                    "additionalProperties": false,
+                },
+            },
         },
         "required": ["id", "description", "valid"],
         "additionalProperties": false,

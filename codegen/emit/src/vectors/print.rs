@@ -58,14 +58,23 @@ fn print(case: &Case, text: &mut String) {
             text.extend([", \"", name, "\": ", json]);
         }
     }
-    for (name, bytes) in [("uorb", &case.uorb), ("cdr", &case.cdr)] {
+    for (name, bytes) in [("uorb", &case.uorb), ("cdr", &case.cdr), ("arguments", &case.arguments)] {
         if let Some(bytes) = bytes {
             text.extend([", \"", name, "\": \""]);
             hex(bytes, text);
             text.push('"');
         }
     }
-    text.push('}');
+    for (index, (profile, [message, description])) in case.texts.iter().enumerate() {
+        let _ = write!(
+            text,
+            "{}\"{profile}\": {{\"message\": {}, \"description\": {}}}",
+            if index == 0 { ", \"texts\": {" } else { ", " },
+            quote(message),
+            quote(description)
+        );
+    }
+    text.push_str(if case.texts.is_empty() { "}" } else { "}}" });
 }
 
 /// Prints cases in the format of the JSON Schema Test Suite. Returns `None` if there are no tests.

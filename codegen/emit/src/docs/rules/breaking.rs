@@ -42,6 +42,10 @@ const TOPICS: &[(&str, &str)] = &[
          constant-value-changed",
     ),
     (
+        "Changes of events",
+        "event-added event-arguments-changed event-enum-changed event-meaning-changed event-removed",
+    ),
+    (
         "Changes of error codes",
         "error-code-abbreviation-changed error-code-added error-code-meaning-changed error-code-removed \
          error-code-renumbered error-code-reused",

@@ -4,7 +4,7 @@ use uavspec_dynamic::conversion::Request;
 use uavspec_lint::report::GUIDE_URL;
 use uavspec_lint::{Check, Levels, Measured, Preset, RULES, Rule, Settings, lint};
 use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::{CONVERTED, catalogues, hints, is_catalogue, is_hints, packages};
+use uavspec_schema::example::{CONVERTED, catalogues, hints, is_catalogue, packages};
 use uavspec_schema::finding::Finding;
 use uavspec_schema::msg::{Dialect, Kind};
 use uavspec_schema::source::SourceMap;
@@ -67,6 +67,7 @@ const TOPICS: &[(&str, &str)] = &[
         "Pages with tables and error codes",
         "missing-abbreviation missing-answer near-type-table one-sided-alternative severity-bits",
     ),
+    ("Event metadata", "event-argument-unused event-bit event-id event-version unknown-member"),
     ("Failsafe flags", "PX-FSF-01 PX-FSF-02"),
     ("Translations", "translation-fuzzy translation-missing translation-stale unknown-translation"),
     (
@@ -167,14 +168,16 @@ fn configuration(rule: &Rule) -> String {
         return format!("To switch the rule off, {off}. See {guide}.");
     }
     let ignore = match form(rule.bad.path) {
-        _ if is_catalogue(rule.bad.path) || is_hints(rule.bad.path) => {
-            let file = if is_hints(rule.bad.path) { "file" } else { "catalogue" };
+        _ if rule.bad.is_data() => {
+            let file = if is_catalogue(rule.bad.path) { "catalogue" } else { "file" };
             format!(
                 "add an entry to `lint.ignore` with the rule {}, the path of the {file} and a reason",
                 code(id)
             )
         }
-        Form::Table => format!("add {} to the line", code(&format!("<!-- uavspec:ignore {id} REASON -->"))),
+        Form::Table | Form::Events => {
+            format!("add {} to the line", code(&format!("<!-- uavspec:ignore {id} REASON -->")))
+        }
         Form::Msg(_) => format!("add {} to the line", code(&format!("# uavspec:ignore {id} REASON"))),
     };
     format!("To ignore a finding, {ignore}. To switch the rule off, {off}. See {guide}.")
