@@ -19,6 +19,9 @@ pub use include_dir::{Dir, File};
 /// PX4 messages, one `.msg` file per message.
 pub static PX4: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/px4");
 
+/// Event metadata of PX4, in JSON: facts of PX4's events, with the texts of uavspec.
+pub static PX4_EVENTS: &[u8] = include_bytes!("px4_events/px4.json");
+
 /// Hints for conversions between releases of PX4, in TOML.
 pub static PX4_HINTS: &str = include_str!("hints/px4.toml");
 

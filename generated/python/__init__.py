@@ -3,5 +3,6 @@
 
 from . import flockwave
 from . import px4
+from . import px4_events
 
-__all__ = ["flockwave", "px4"]
+__all__ = ["flockwave", "px4", "px4_events"]

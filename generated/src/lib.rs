@@ -22,3 +22,6 @@ pub mod flockwave;
 /// Package `px4`.
 #[rustfmt::skip]
 pub mod px4;
+/// Package `px4_events`.
+#[rustfmt::skip]
+pub mod px4_events;

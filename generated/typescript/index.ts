@@ -16,3 +16,11 @@ export * as flockwave from "./flockwave.js";
  * Revision: release/1.15, and 1.17 before its release
  */
 export * as px4 from "./px4.js";
+/**
+ * Package px4_events, in the events dialect.
+ *
+ * Origin: <https://github.com/PX4/PX4-Autopilot>
+ *
+ * Revision: release/1.15
+ */
+export * as px4_events from "./px4_events.js";
