@@ -52,6 +52,15 @@ pub enum Input {
     Nothing,
     /// A payload.
     Bytes(Vec<u8>),
+    /// An event, and the profile of the reader.
+    Event {
+        /// The id of the event.
+        id: u64,
+        /// The bytes of its arguments.
+        arguments: Vec<u8>,
+        /// The name of the profile.
+        profile: String,
+    },
     /// JSON in wire encoding.
     Value(Value),
 }
@@ -105,6 +114,11 @@ impl Case {
             Input::Nothing => {}
             Input::Bytes(bytes) => {
                 request.insert("bytes".to_owned(), to_base64(bytes).into());
+            }
+            Input::Event { id, arguments, profile } => {
+                request.insert("event".to_owned(), (*id).into());
+                request.insert("bytes".to_owned(), to_base64(arguments).into());
+                request.insert("profile".to_owned(), profile.clone().into());
             }
             Input::Value(value) => {
                 request.insert("value".to_owned(), value.clone());
@@ -194,7 +208,34 @@ impl CaseBuilder<'_, '_> {
         cases
     }
 
+    /// Adds a case that decodes an event, for each profile with texts of its own.
+    fn add_event(&self, vector: &Value, arguments: &[u8], cases: &mut Vec<Case>) {
+        let texts = vector["texts"].as_object();
+        let mut previous = None;
+        for (profile, texts) in texts.into_iter().flatten() {
+            if previous == Some(texts) {
+                continue;
+            }
+            previous = Some(texts);
+            let mut event = vector["json"].clone();
+            event["message"] = texts["message"].clone();
+            event["description"] = texts["description"].clone();
+            let input = Input::Event {
+                id: event["id"].as_u64().unwrap_or_default(),
+                arguments: arguments.to_vec(),
+                profile: profile.clone(),
+            };
+            let mut head = vector.clone();
+            head["id"] = format!("{}-{profile}", vector["id"].as_str().unwrap_or_default()).into();
+            let expected = Expected::ok(ExpectedResponse::Exactly(to_wire(&event, None)));
+            cases.push(self.case(&head, Op::DecodeEvent, None, input, expected));
+        }
+    }
+
     fn add_vector(&self, vector: &Value, cases: &mut Vec<Case>) {
+        if let Some(arguments) = vector["arguments"].as_str().and_then(from_hex) {
+            return self.add_event(vector, &arguments, cases);
+        }
         let rule = vector["rule"].as_str();
         let has_bytes = Format::ALL.iter().any(|format| vector.get(format.name()).is_some());
         let json = vector.get("json").filter(|json| has_bytes || !is_lossy(json));

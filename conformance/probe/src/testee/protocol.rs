@@ -15,6 +15,7 @@
 //! | `validate` | `value` | any value |
 //! | `severity` | `value`: an error code | `{"class": "warning", "severity": "warning"}` |
 //! | `hash` | `format` | for `uorb`, PX4's hash of the fields as a number; for `cdr`, the ROS hash `RIHS01_…` |
+//! | `decode-event` | `event`: its id; `bytes`: its arguments; `profile` (`normal`, `dev`) | `{"id": …, "name": …, "arguments": {…}, "message": …, "description": …}` |
 //! | `layout` | `format` (`uorb`) | `{"size": …, "size_no_padding": …, "offsets": {"timestamp": 0, …}}` |
 //!
 //! An id is an integer within ±2^53. The response is `unsupported` or `error` if the request lacks a member, or names
@@ -50,11 +51,13 @@ pub enum Op {
     Hash,
     /// Returns the size and field offsets of the message in memory.
     Layout,
+    /// Returns the arguments and texts of an event.
+    DecodeEvent,
 }
 
 impl Op {
     /// All operations.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Decode,
         Self::Encode,
         Self::Roundtrip,
@@ -62,6 +65,7 @@ impl Op {
         Self::Severity,
         Self::Hash,
         Self::Layout,
+        Self::DecodeEvent,
     ];
 
     /// The name on the wire.
@@ -74,6 +78,7 @@ impl Op {
             Self::Severity => "severity",
             Self::Hash => "hash",
             Self::Layout => "layout",
+            Self::DecodeEvent => "decode-event",
         }
     }
 }

@@ -1,13 +1,15 @@
 //! Processes requests with the codecs of `uavspec-codegen`.
 
 use serde_json::{Value, json};
+use uavspec_dynamic::event::{EventError, EventValue, Events};
 use uavspec_dynamic::{DynamicMessage, Error, MessageType, Types};
 use uavspec_flockwave::body_schema::DefinedSchemas;
 use uavspec_model::json::Tree;
 use uavspec_probe::testee::{PROTOCOL, from_base64, from_wire, to_base64, to_wire};
 use uavspec_runtime::cdr::ByteOrder;
+use uavspec_runtime::event::Profile;
 use uavspec_runtime::{ErrorClass, Severity};
-use uavspec_schema::{Message, Schema};
+use uavspec_schema::{EventComponent, Message, Package, Schema};
 
 /// The type of error codes.
 const CODE: &str = "flockwave/ErrorCode";
@@ -31,6 +33,18 @@ pub(crate) struct Codec<'s> {
     pub(crate) types: &'s Types,
     /// The schemas of JSON types.
     pub(crate) body_schemas: &'s DefinedSchemas,
+    /// The events of each component, such as `px4_events/px4`.
+    pub(crate) events: Vec<(String, Events)>,
+}
+
+/// The events of each component.
+pub(crate) fn events(schema: &Schema) -> Vec<(String, Events)> {
+    let of_package = |package: &Package| {
+        let name = |component: &EventComponent| format!("{}/{}", package.name, component.namespace);
+        let events = |component| (name(component), Events::new(package.components.as_slice()));
+        package.components.iter().map(events).collect::<Vec<_>>()
+    };
+    schema.packages.iter().flat_map(of_package).collect()
 }
 
 impl Codec<'_> {
@@ -39,8 +53,9 @@ impl Codec<'_> {
         let types: Vec<String> = messages
             .chain([CODE.to_owned(), LIST.to_owned()])
             .chain(self.body_schemas.names().map(str::to_owned))
+            .chain(self.events.iter().map(|(name, _)| name.clone()))
             .collect();
-        let ops = ["decode", "encode", "roundtrip", "validate", "severity", "hash", "layout"];
+        let ops = ["decode", "encode", "roundtrip", "validate", "severity", "hash", "layout", "decode-event"];
         json!({
             "op": "hello", "protocol": PROTOCOL, "name": "reference", "version": env!("CARGO_PKG_VERSION"),
             "ops": ops, "types": types, "formats": ["uorb", "cdr"],
@@ -75,6 +90,10 @@ impl Codec<'_> {
                 self.check_body(name, value_of(request)?)?
             }
             (LIST, "validate") => self.list(value_of(request)?).map(|()| Value::Null)?,
+            (_, "decode-event") => {
+                let events = self.events.iter().find(|(of, _)| of == name);
+                decode_event(&events.ok_or(CodecError::Unknown)?.1, request)?
+            }
             _ => {
                 let (message, of) = self.find(name).ok_or(CodecError::Unknown)?;
                 answer(op, request, message, of)?
@@ -140,10 +159,7 @@ fn answer(
         None => Err(CodecError::Request("format is missing")),
     };
     let decode = || -> Result<DynamicMessage<'_>, CodecError> {
-        let bytes = request["bytes"]
-            .as_str()
-            .and_then(from_base64)
-            .ok_or(CodecError::Request("bytes is not base64"))?;
+        let bytes = bytes_of(request)?;
         if is_cdr()? {
             message_type.decode_cdr_strict(&bytes)
         } else {
@@ -176,6 +192,34 @@ fn answer(
         }
         _ => Err(CodecError::Unknown),
     }
+}
+
+fn decode_event(events: &Events, request: &Value) -> Result<Value, CodecError> {
+    let id = request["event"].as_u64().and_then(|id| u32::try_from(id).ok());
+    let id = id.ok_or(CodecError::Request("event is missing"))?;
+    let bytes = bytes_of(request)?;
+    let profile = Profile::ALL.into_iter().find(|profile| request["profile"] == profile.name());
+    let profile = profile.ok_or(CodecError::Unknown)?;
+    let event =
+        events.decode(id, &bytes).map_err(|error: EventError| CodecError::Input(error.to_string()))?;
+    let value = |value: &EventValue| match value {
+        EventValue::Integer(value) => serde_json::Number::from_i128(*value).map(Value::Number),
+        EventValue::Float(value) => Some((*value).into()),
+    };
+    let arguments = event.event.arguments.iter().zip(&event.values);
+    let arguments: serde_json::Map<String, Value> = arguments
+        .map(|(argument, found)| (argument.name.clone(), value(found).unwrap_or_default()))
+        .collect();
+    let decoded = json!({
+        "id": id, "name": event.event.name, "arguments": arguments,
+        "message": event.message(profile), "description": event.description(profile),
+    });
+    Ok(to_wire(&decoded, None))
+}
+
+fn bytes_of(request: &Value) -> Result<Vec<u8>, CodecError> {
+    let bytes = request["bytes"].as_str().and_then(from_base64);
+    bytes.ok_or(CodecError::Request("bytes is not base64"))
 }
 
 fn value_of(request: &Value) -> Result<&Value, CodecError> {

@@ -26,7 +26,12 @@ fn main() -> io::Result<()> {
         _ => return Err(io::Error::other("usage: uavspec-testee [--definitions PATH]")),
     };
     let types = definitions.types();
-    let codec = Codec { schema: &definitions.schema, types, body_schemas: definitions.defined_schemas() };
+    let codec = Codec {
+        schema: &definitions.schema,
+        types,
+        body_schemas: definitions.defined_schemas(),
+        events: codec::events(&definitions.schema),
+    };
     let mut output = io::stdout().lock();
     // Lines are read as bytes, so that invalid UTF-8 doesn't end the program.
     for line in io::stdin().lock().split(b'\n') {

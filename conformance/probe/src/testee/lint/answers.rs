@@ -167,7 +167,9 @@ fn long_question(bench: &mut Bench<'_>) -> CheckOutcome {
         let (id, mut request) = session.request(&case);
         let (member, long): (&str, Value) = match case.input {
             // Base64 encodes three bytes as four characters.
-            Input::Bytes(_) => ("bytes", to_base64(&vec![0; LONG_REQUEST_LENGTH / 4 * 3]).into()),
+            Input::Bytes(_) | Input::Event { .. } => {
+                ("bytes", to_base64(&vec![0; LONG_REQUEST_LENGTH / 4 * 3]).into())
+            }
             Input::Value(_) | Input::Nothing => ("value", "x".repeat(LONG_REQUEST_LENGTH).into()),
         };
         request[member] = long;
