@@ -21,6 +21,7 @@ mod baseline;
 mod check;
 mod completions;
 mod convert;
+mod events;
 mod explain;
 mod init;
 mod inputs;

@@ -141,3 +141,12 @@ pub(crate) const MAX_WAITING: usize = 16 << 20;
 /// The maximum number of topics of a converted log. A log has at most 8,192 formats, but hostile logs may subscribe to more
 /// topics.
 pub(crate) const MAX_LOG_TOPICS: usize = 10_000;
+
+/// The maximum length of compressed event metadata, in bytes. The longest known one takes 16 kB.
+pub(crate) const MAX_EVENT_METADATA: usize = 1 << 20;
+
+/// The maximum number of flights of a capture, and of the takeoffs and landings of a flight.
+pub(crate) const MAX_FLIGHTS: usize = 100;
+
+/// The maximum number of times at which a vehicle can't arm in a mode.
+pub(crate) const MAX_REFUSALS: usize = 1_000;

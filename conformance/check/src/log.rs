@@ -7,6 +7,7 @@ use std::io::Read;
 use std::rc::Rc;
 
 use serde::Serialize;
+use sha2::{Digest as _, Sha256};
 use uavspec_capture::input::UpToError;
 use uavspec_capture::ulog::{Event, Item, Log, LogProblem, Problem, Reader, Record};
 use uavspec_capture::{ENCRYPTED_MAGIC, ULOG_MAGIC};
@@ -15,6 +16,7 @@ use uavspec_lint::release::LayoutHashes;
 use uavspec_model::text::{plural, shown};
 use uavspec_model::{Channel, Detail, Extent, Findings, Location, Message, Rule, SubjectName};
 use uavspec_px4::comparison::{Comparison, compare};
+use uavspec_px4::event::EventMetadata;
 use uavspec_px4::memory::{FieldCounts, Plan, shared_fields, time_offset};
 use uavspec_rules::definitions::{Clues, Definitions, FormatClue};
 use uavspec_rules::px4;
@@ -23,7 +25,7 @@ use uavspec_schema::MessageId;
 use super::coverage::{PartResult, Parts, Share, Tally, Unit};
 use super::release::{ComparedTopic, ReleaseMatch, release_lines, release_matches};
 use super::{CaptureResult, CheckRun, Describe, Kind, Line, Summary, Totals, has_magic};
-use crate::limits::MAX_LOG_FIELDS;
+use crate::limits::{MAX_EVENT_METADATA, MAX_LOG_FIELDS};
 
 pub(super) const KIND: Kind = Kind {
     name: "ULog",
@@ -195,6 +197,41 @@ fn check_log(input: impl Read, run: CheckRun<'_>) -> CaptureResult {
     checker.finish(&log, position)
 }
 
+/// The event metadata of a log, in pieces.
+#[derive(Default)]
+struct Metadata {
+    bytes: Vec<u8>,
+    /// The location of the first piece.
+    place: Option<Location>,
+    /// The stated hash, in hexadecimal digits.
+    digest: Option<Vec<u8>>,
+}
+
+impl Metadata {
+    /// The key of the pieces.
+    const KEY: &'static str = "metadata_events";
+
+    /// The key of the SHA-256 hash of all pieces.
+    const DIGEST: &'static str = "metadata_events_sha256";
+
+    fn add(&mut self, piece: &[u8], location: Location) {
+        self.place.get_or_insert(location);
+        // What is too long can't be decompressed, either.
+        if self.bytes.len() <= MAX_EVENT_METADATA {
+            self.bytes.extend_from_slice(piece);
+        }
+    }
+
+    /// The reason why the metadata can't be trusted.
+    fn problem(&self) -> Option<String> {
+        let stated = self.digest.as_ref()?;
+        let found: String = Sha256::digest(&self.bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+        let is_same = stated.eq_ignore_ascii_case(found.as_bytes());
+        let stated = String::from_utf8_lossy(stated);
+        (!is_same).then(|| format!("its SHA-256 hash is {found}, but the log states {}", shown(&stated)))
+    }
+}
+
 /// The check of the messages with a format.
 struct FormatPlan {
     /// The checks of the values. `None` if there are too many fields.
@@ -251,6 +288,8 @@ struct LogChecker<'d> {
     several: BTreeSet<String>,
     firmware: Option<String>,
     dropouts: u64,
+    /// The pieces of the log's event metadata. Cleared once they are read.
+    metadata: Metadata,
     /// The location of the previous item, if it is a record.
     latest: Option<Location>,
     /// True if the item is a corrupt part.
@@ -271,6 +310,7 @@ impl<'d> LogChecker<'d> {
             several: BTreeSet::new(),
             firmware: None,
             dropouts: 0,
+            metadata: Metadata::default(),
             latest: None,
             is_gap: false,
             is_behind_gap: false,
@@ -295,6 +335,11 @@ impl<'d> LogChecker<'d> {
             Event::Information { key: "ver_sw_release" | "ver_sw_branch" | "sys_name", value, ty } => {
                 self.information(ty, value);
             }
+            Event::MultiInformation { key: Metadata::KEY, value, .. } => self.metadata.add(value, location),
+            Event::Information { key: Metadata::DIGEST, value, .. } => {
+                self.metadata.digest = Some(value.to_vec())
+            }
+            Event::Subscription { .. } => self.read_metadata(),
             Event::Dropout { milliseconds } => {
                 self.dropouts += 1;
                 self.run.dropout(*milliseconds, location);
@@ -306,6 +351,17 @@ impl<'d> LogChecker<'d> {
             Event::Problem(problem) if problem.is_harmless() => self.run.note(&problem.to_string()),
             Event::Problem(problem) => self.run.corruption(location, problem.to_string(), problem.extent()),
             _ => {}
+        }
+    }
+
+    /// Reads the event metadata at the end of the definitions.
+    fn read_metadata(&mut self) {
+        let metadata = std::mem::take(&mut self.metadata);
+        if let Some(place) = metadata.place {
+            if let Some(problem) = metadata.problem() {
+                return self.run.note(&format!("the event metadata at {place} can't be used: {problem}"));
+            }
+            self.run.set_metadata(EventMetadata::of_capture(metadata.bytes));
         }
     }
 

@@ -1,7 +1,10 @@
 //! Passes the records of a capture to other code than rules.
 
+use std::sync::Arc;
+
 use uavspec_flockwave::record::SessionRecord;
 use uavspec_model::{Channel, Message};
+use uavspec_px4::event::EventMetadata;
 use uavspec_rules::definitions::Definitions;
 use uavspec_rules::px4::Interest;
 
@@ -12,6 +15,9 @@ pub trait Observer {
 
     /// Handles a channel whose release is unknown. Its messages don't follow.
     fn undecided(&mut self, _channel: &Channel<'_>, _definitions: &Definitions) {}
+
+    /// Receives the event metadata, before the messages that it applies to.
+    fn metadata(&mut self, _metadata: &Arc<EventMetadata>) {}
 
     /// Receives a message of any channel.
     fn message(

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::io;
+use std::sync::Arc;
 
 use uavspec_dynamic::DynamicView;
 use uavspec_flockwave::record::{Connection, Direction, SessionRecord};
@@ -10,6 +11,7 @@ use uavspec_flockwave::session::{Exchange, Sessions, message_excerpt};
 use uavspec_model::json::Tree;
 use uavspec_model::text::{shown, thousands};
 use uavspec_model::{ApplicationType, Channel, Endpoint, Extent, Findings, Location, Message, Rule};
+use uavspec_px4::event::EventMetadata;
 use uavspec_rules::definitions::Definitions;
 use uavspec_rules::px4::Interest;
 use uavspec_rules::{RuleContext, flockwave, px4};
@@ -50,6 +52,8 @@ pub(super) struct CheckRun<'d> {
     record_time: Option<u64>,
     /// The log time and the sequence number of the current record, if it is in a bag.
     pub(super) logged: Option<Logged>,
+    /// What the events of the capture mean.
+    events: Arc<EventMetadata>,
 }
 
 /// The facts that a bag states about a message.
@@ -125,6 +129,7 @@ impl<'d> CheckRun<'d> {
             clock: Clock::default(),
             record_time: None,
             logged: None,
+            events: Arc::clone(&definitions.events),
         }
     }
 
@@ -135,6 +140,7 @@ impl<'d> CheckRun<'d> {
     ) -> Self {
         let mut run = Self::new(definitions);
         if let Some(observer) = observer {
+            observer.metadata(&run.events);
             run.observer = Some(observer);
         }
         run
@@ -144,6 +150,14 @@ impl<'d> CheckRun<'d> {
     pub(super) fn number_channel(&mut self) -> usize {
         self.channels.push(Subscribers::default());
         self.channels.len() - 1
+    }
+
+    /// Uses the event metadata that the capture contains.
+    pub(super) fn set_metadata(&mut self, metadata: EventMetadata) {
+        self.events = Arc::new(metadata);
+        if let Some(observer) = &mut self.observer {
+            observer.metadata(&self.events);
+        }
     }
 
     pub(super) fn opened(&mut self, channel: &Channel<'_>) {

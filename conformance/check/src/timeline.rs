@@ -19,11 +19,13 @@ mod tests;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
+use std::sync::Arc;
 
 use serde::Serialize;
 use uavspec_capture::input::Input;
 use uavspec_flockwave::record::SessionRecord;
 use uavspec_model::{Channel, Extent, Message};
+use uavspec_px4::event::EventMetadata;
 use uavspec_rules::definitions::{Definitions, Library};
 use uavspec_rules::px4::Interest;
 use uavspec_schema::MessageId;
@@ -32,8 +34,10 @@ use self::context::Context;
 pub use self::label::{Item, Label, Texts};
 use self::lane::Lanes;
 pub use self::lane::{Change, Lane, LaneKind, Part, Severity, Value};
+pub use self::px4::{
+    Flight, Overview, Refusal, flags, number, reply_events, required_flags, state_value, text, topic_name,
+};
 use self::px4::{Px4, TOPICS};
-pub use self::px4::{flags, number, reply_events, required_flags, state_value, text, topic_name};
 use self::session::{Session, TYPES};
 use crate::{
     CaptureResult, Checked, Clock, Observer, Part as CheckedPart, PartResult, Reading, ReleaseMatch, Summary,
@@ -41,6 +45,9 @@ use crate::{
 
 /// The version of the JSON format.
 const VERSION: u32 = 1;
+
+/// The topic of events.
+const EVENT: &str = "event";
 
 /// The timeline of a capture.
 #[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
@@ -53,6 +60,8 @@ pub struct Timeline {
     pub capture: String,
     /// The path of the definitions, the release, or the name of the built-in definitions.
     pub definitions: String,
+    /// The event metadata that explains the events, if there are any.
+    pub event_metadata: Option<String>,
     /// The releases that the capture agrees with.
     pub releases: Vec<ReleaseMatch>,
     /// The time of the start in UTC, if the capture states it.
@@ -69,6 +78,8 @@ pub struct Timeline {
     pub languages: BTreeMap<String, String>,
     /// The topics of the timeline, or the message types if the capture is a session.
     pub topics: Vec<Topic>,
+    /// What a pilot asks first. `None` if the capture doesn't show the state of a single PX4 vehicle.
+    pub overview: Option<Overview>,
     /// The lanes.
     pub lanes: Vec<Lane>,
     /// The number of values without a lane, because there are too many lanes.
@@ -164,6 +175,7 @@ impl Timeline {
 /// Makes the lanes from the records of a capture.
 struct Follower<'t> {
     texts: &'t Texts,
+    metadata: Arc<EventMetadata>,
     lanes: Lanes,
     px4: Px4,
     session: Session,
@@ -179,6 +191,10 @@ impl Observer for Follower<'_> {
         if self.px4.opened(channel, definitions) { Interest::Values } else { Interest::Nothing }
     }
 
+    fn metadata(&mut self, metadata: &Arc<EventMetadata>) {
+        self.metadata = Arc::clone(metadata);
+    }
+
     fn message(
         &mut self,
         channel: &Channel<'_>,
@@ -187,8 +203,13 @@ impl Observer for Follower<'_> {
         definitions: &Definitions,
     ) {
         self.latest = time.unwrap_or(self.latest);
-        let (texts, lanes, time) = (self.texts, &mut self.lanes, self.latest);
-        let mut context = Context { definitions, texts, lanes, time };
+        let mut context = Context {
+            definitions,
+            texts: self.texts,
+            metadata: &self.metadata,
+            lanes: &mut self.lanes,
+            time: self.latest,
+        };
         match self.px4.message(channel, message, &mut context) {
             Some(Ok(topic)) => _ = self.seen.insert(topic),
             Some(Err(topic)) => {
@@ -201,8 +222,13 @@ impl Observer for Follower<'_> {
 
     fn session_record(&mut self, record: &SessionRecord<'_>, time: Option<u64>, definitions: &Definitions) {
         self.latest = time.unwrap_or(self.latest);
-        let (texts, lanes, time) = (self.texts, &mut self.lanes, self.latest);
-        let mut context = Context { definitions, texts, lanes, time };
+        let mut context = Context {
+            definitions,
+            texts: self.texts,
+            metadata: &self.metadata,
+            lanes: &mut self.lanes,
+            time: self.latest,
+        };
         self.seen.extend(self.session.record(record, &mut context));
     }
 }
@@ -211,6 +237,7 @@ impl<'t> Follower<'t> {
     fn new(texts: &'t Texts) -> Self {
         Self {
             texts,
+            metadata: Arc::default(),
             lanes: Lanes::default(),
             px4: Px4::default(),
             session: Session::default(),
@@ -243,6 +270,7 @@ impl<'t> Follower<'t> {
             uavspec: env!("CARGO_PKG_VERSION").to_owned(),
             capture,
             definitions: definitions.name.clone(),
+            event_metadata: self.seen.contains(EVENT).then(|| self.metadata.origin.to_string()),
             releases: result.summary.releases().to_vec(),
             start_utc: result.clock.utc(start),
             duration_us: end.saturating_sub(start),
@@ -252,6 +280,7 @@ impl<'t> Follower<'t> {
             languages: self.texts.languages(),
             topics,
             values_without_lane,
+            overview: self.px4.flights.finish(start),
             lanes,
             is_session,
             clock: result.clock,

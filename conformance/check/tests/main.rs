@@ -6,6 +6,7 @@ mod changing;
 mod check;
 mod convert;
 mod corruption;
+mod events;
 mod examples;
 mod ext;
 mod flockwave;

@@ -10,7 +10,9 @@
 
 #![cfg_attr(not(test), warn(clippy::disallowed_macros, clippy::disallowed_methods))]
 
+pub mod checks;
 pub mod comparison;
+pub mod event;
 pub mod format;
 pub mod json;
 mod limits;

@@ -6,3 +6,9 @@ pub(crate) const MAX_PATH: usize = 256;
 
 /// The number of findings in a payload that are reported separately. A small compressed payload can contain millions.
 pub(crate) const MAX_REPORTED: usize = 10_000;
+
+/// The maximum number of chunks of a health and arming report. PX4 sends one.
+pub(crate) const MAX_CHUNKS: usize = 16;
+
+/// The maximum number of problems in a chunk. More than this can't be read by a pilot.
+pub(crate) const MAX_PROBLEMS: usize = 256;

@@ -3,6 +3,7 @@
 //! All texts from captures are escaped when a report is rendered.
 
 mod html;
+mod overview;
 #[cfg(test)]
 mod schema;
 mod text;
@@ -13,6 +14,7 @@ use uavspec_model::text::{plural, shown};
 use uavspec_schema::json_text;
 
 pub use self::html::to_html;
+pub use self::overview::WhyNotArm;
 pub use self::text::to_text;
 
 /// The texts for the statuses of topics, in the order of reports.
@@ -45,9 +47,15 @@ fn entries(timeline: &Timeline) -> Vec<Entry<'_>> {
     }
     // The sort is stable, so changes at the same time have the order of the lanes.
     entries.sort_by_key(|entry| {
-        (!entry.change.is_first, if entry.change.is_first { 0 } else { entry.change.time_us })
+        let is_first = is_at_start(entry);
+        (!is_first, if is_first { 0 } else { entry.change.time_us })
     });
     entries
+}
+
+/// True if a lane may have had its first value before. A report states when it was made.
+fn is_at_start(entry: &Entry<'_>) -> bool {
+    entry.change.is_first && entry.lane.kind != LaneKind::Check
 }
 
 /// The name of a lane, with its topic and its subject.
@@ -97,6 +105,15 @@ fn flags(timeline: &Timeline) -> impl Iterator<Item = &Lane> {
 /// The number of flags that were never set.
 fn num_quiet(timeline: &Timeline) -> usize {
     timeline.lanes.iter().filter(|lane| is_flag(lane) && lane.num_changes() == 0).count()
+}
+
+/// The definitions and the event metadata that explain the capture.
+fn sources(timeline: &Timeline) -> String {
+    let definitions = shown(&timeline.definitions);
+    match &timeline.event_metadata {
+        Some(events) => format!("{definitions} and {}", shown(events)),
+        None => definitions,
+    }
 }
 
 /// The number of listed changes, and the number of changes that aren't listed.

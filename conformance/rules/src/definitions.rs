@@ -20,11 +20,12 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
 use uavspec_codegen::load::{self, read_definitions_for_captures};
-use uavspec_definitions::{Dir, FLOCKWAVE, I18N, PX4};
+use uavspec_definitions::{Dir, FLOCKWAVE, I18N, PX4, PX4_EVENTS};
 use uavspec_dynamic::Types;
 use uavspec_flockwave::body_schema::{BodySchemas, DefinedSchemas, SchemaError, Schemas};
 use uavspec_lint::release;
 use uavspec_model::text::terminal;
+pub use uavspec_px4::event::EventMetadata;
 use uavspec_schema::fingerprint::{ros_name, service_hash_of_event};
 use uavspec_schema::msg::{Dialect, Kind};
 use uavspec_schema::source::Span;
@@ -72,6 +73,8 @@ pub struct Definitions {
     types: OnceLock<Types>,
     defined_schemas: OnceLock<DefinedSchemas>,
     schemas: Arc<Schemas>,
+    /// The event metadata for captures that don't contain their own.
+    pub events: Arc<EventMetadata>,
 }
 
 /// A release that definitions were read from.
@@ -108,8 +111,10 @@ impl Definitions {
         let mut sources = SourceMap::default();
         let px4 = Self::built_in_px4(&mut sources);
         let flockwave = embedded("flockwave", Form::Table, &FLOCKWAVE, &mut sources);
+        let events = sources.add("definitions/px4_events/px4.json", PX4_EVENTS.to_vec());
+        let events = PackageInput::new("px4_events", Form::Events, events.into_iter().collect());
         // Tests ensure that the built-in definitions have no errors.
-        let (schema, _) = read(&sources, &[px4, flockwave]);
+        let (schema, _) = read(&sources, &[px4, events, flockwave]);
         Self::new(Self::built_in_name(), sources, schema)
     }
 
@@ -172,6 +177,7 @@ impl Definitions {
             types: OnceLock::new(),
             defined_schemas: OnceLock::new(),
             schemas: Arc::default(),
+            events: built_in_events(),
         }
     }
 
@@ -318,6 +324,13 @@ impl Definitions {
         let text = self.sources.text(id).lines().nth(number - 1).unwrap_or_default();
         Line { file: self.sources.path(id), number, text }
     }
+}
+
+/// The built-in event metadata.
+fn built_in_events() -> Arc<EventMetadata> {
+    static EVENTS: OnceLock<Arc<EventMetadata>> = OnceLock::new();
+    // `cargo xtask lint` ensures that the metadata has no errors.
+    Arc::clone(EVENTS.get_or_init(|| Arc::new(EventMetadata::built_in(PX4_EVENTS))))
 }
 
 /// A package whose files are embedded in the program.

@@ -21,6 +21,7 @@ use uavspec_schema::MessageId;
 use uavspec_schema::msg::Dialect;
 
 use super::baseline::{self, BaselineArgs, count_capture, count_unread};
+use super::events::EventsArgs;
 use super::explain::texts;
 use super::inputs::Found;
 use super::outcome::OutcomeArgs;
@@ -101,6 +102,8 @@ pub(super) struct CheckArgs {
     /// ROS 2's common interfaces, and checks it against the release that agrees best.
     #[arg(long, value_name = "PATH|RELEASE")]
     definitions: Option<PathBuf>,
+    #[command(flatten)]
+    events: EventsArgs,
     /// Dialect of the definitions in a folder (default: detected).
     #[arg(long, value_name = "DIALECT", requires = "definitions", value_parser = dialects())]
     dialect: Option<Dialect>,
@@ -164,6 +167,7 @@ pub(super) fn check(args: &CheckArgs) -> Exit {
     let mut outputs = args.report.start(Action::Check, args.timeline)?;
     let done = args.resume.as_deref().map(|folder| outputs.resume(folder, args.timeline)).transpose()?;
     let library = super::library(args.definitions.as_deref(), args.dialect, &args.schemas)?;
+    let library = args.events.add_to(library)?;
     let required = args.require.rules()?;
     let message_id = message_id(args, &library)?;
     let texts = if args.timeline { Some(texts(args.definitions.as_deref())?) } else { None };

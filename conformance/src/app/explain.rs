@@ -13,9 +13,11 @@ use uavspec_check::limits::{MAX_ALL_CHANGES, MAX_CHANGES};
 use uavspec_check::timeline::{Texts, Timeline, TopicStatus};
 use uavspec_model::Extent;
 use uavspec_model::text::{plural, terminal};
-use uavspec_report::timeline::{to_html, to_json, to_text};
+use uavspec_report::timeline::{WhyNotArm, to_html, to_json, to_text};
+use uavspec_schema::json_text;
 use uavspec_schema::stage::write_file;
 
+use super::events::EventsArgs;
 use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;
 use super::report::print;
@@ -32,6 +34,7 @@ const EXAMPLES: &str = "Examples:
   uavspec explain flight.ulg --report html=timeline.html
   uavspec explain session.jsonl --language uk
   uavspec explain flight.mcap --format json
+  uavspec explain flight.ulg --why-not-arm 0:12 --mode posctl
   uavspec explain 134
   uavspec explain vehicle_status.nav_state=17
   uavspec explain mode_req_mission=0x80 --release px4@1.18
@@ -60,12 +63,23 @@ pub(super) struct ExplainArgs {
     /// PX4 messages or ROS 2 packages.
     #[arg(long, value_name = "PATH")]
     definitions: Option<PathBuf>,
+    #[command(flatten)]
+    events: EventsArgs,
     /// Language of the labels, such as uk (default: en).
     ///
     /// The languages are those of the catalogues that belong to the definitions. Labels without a translation stay in
     /// English. The HTML report contains all languages.
     #[arg(long, value_name = "LANGUAGE")]
     language: Option<String>,
+    /// Only tell why the vehicle couldn't arm, at a time such as 75 or 1:15 (default: at any time).
+    ///
+    /// The answer comes from the health and arming reports in the events of PX4. It is about the modes in which the vehicle
+    /// was, unless --mode names another.
+    #[arg(long, value_name = "TIME", num_args = 0..=1, value_parser = time)]
+    why_not_arm: Option<Option<i64>>,
+    /// Mode for --why-not-arm, such as posctl or Loiter.
+    #[arg(long, value_name = "NAME", requires = "why_not_arm")]
+    mode: Option<String>,
     /// Output format: text or json.
     #[arg(long, value_name = "FORMAT", default_value = "text", hide_possible_values = true)]
     format: Format,
@@ -93,6 +107,17 @@ Exit status:
     )
 }
 
+/// Parses a time as seconds, or as minutes and seconds. Returns µs.
+fn time(text: &str) -> Result<i64, &'static str> {
+    let (minutes, seconds) = text.split_once(':').unwrap_or(("0", text));
+    let minutes = minutes.parse::<u32>().ok();
+    let seconds = seconds.parse::<f64>().ok().filter(|seconds| (0.0..1e9).contains(seconds));
+    let (minutes, seconds) =
+        minutes.zip(seconds).ok_or("expected seconds, or minutes and seconds such as 1:15")?;
+    #[allow(clippy::cast_possible_truncation)] // at most 1e15
+    Ok(i64::from(minutes) * 60_000_000 + (seconds * 1e6) as i64)
+}
+
 /// Parses the file for the page.
 fn page(text: &str) -> Result<PathBuf, &'static str> {
     let path = text.strip_prefix("html=").filter(|path| !path.is_empty());
@@ -106,7 +131,11 @@ pub(super) fn explain(args: &ExplainArgs) -> Exit {
         let help = format!("use `--definitions {release}` for a capture");
         return Err(Status::Usage.with_help("--release applies to words only", &help));
     }
-    let has_options = args.definitions.is_some() || args.language.is_some() || args.report.is_some();
+    let has_options = args.definitions.is_some()
+        || args.events.events.is_some()
+        || args.language.is_some()
+        || args.report.is_some()
+        || args.why_not_arm.is_some();
     if has_options || is_capture(&args.what) {
         let problem = format!("{}: no such file or folder", terminal::path(&args.what));
         let help = "name a log, a bag, a file with messages or a recorded session";
@@ -117,7 +146,7 @@ pub(super) fn explain(args: &ExplainArgs) -> Exit {
 
 /// Prints the timeline of a capture. Errors are printed.
 fn timeline(args: &ExplainArgs) -> Exit {
-    let library = super::library(args.definitions.as_deref(), None, &[])?;
+    let library = args.events.add_to(super::library(args.definitions.as_deref(), None, &[])?)?;
     let texts = texts(args.definitions.as_deref())?;
     let language = language(args.language.as_deref(), &texts.languages())?;
     check_outputs(args)?;
@@ -127,8 +156,25 @@ fn timeline(args: &ExplainArgs) -> Exit {
     drop(progress);
     let (_, timeline) = checked.map_err(|error| unreadable(&args.what, error))?;
     let timeline = timeline.map_err(|reason| unreadable(&args.what, reason))?;
+    if let Some(time_us) = args.why_not_arm {
+        return why_not_arm(args, &timeline, &WhyNotArm { time_us, mode: args.mode.clone() }, &language);
+    }
     write(args, &timeline, &language)?;
     Ok(status(&timeline))
+}
+
+/// Prints why the vehicle couldn't arm.
+fn why_not_arm(args: &ExplainArgs, timeline: &Timeline, question: &WhyNotArm, language: &str) -> Exit {
+    let Some(overview) = timeline.overview.as_ref().filter(|overview| overview.has_reports) else {
+        let help = "PX4 reports the reasons in events, which logs of PX4 1.14 and later contain";
+        return Err(Status::Nothing.with_help("the capture has no health and arming report", help));
+    };
+    let text = match args.format {
+        Format::Text => question.answer(overview, language),
+        Format::Json => json_text::pretty(&question.refusals(overview)),
+    };
+    print(&text).map_err(|error| Status::Unreadable.because(format_args!("standard output: {error}")))?;
+    Ok(Status::Conforms)
 }
 
 /// The exit status of a timeline.

@@ -21,6 +21,7 @@ use uavspec_rules::definitions::Definitions;
 use self::vehicle::VehicleArgs;
 use super::access::AccessArgs;
 use super::baseline::{self, BaselineArgs, Baselines, count_capture, count_unread};
+use super::events::EventsArgs;
 use super::interrupt::{self, Danger};
 use super::outcome::OutcomeArgs;
 use super::outputs::{self, Inputs, Output};
@@ -133,6 +134,8 @@ pub(super) struct ProbeArgs {
     /// A uavspec.toml file or a folder that contains one. For a vehicle, also a release such as px4@1.16.
     #[arg(long, value_name = "PATH|RELEASE")]
     definitions: Option<PathBuf>,
+    #[command(flatten)]
+    events: EventsArgs,
     /// Schemas for other Flockwave types (repeatable).
     ///
     /// All JSON Schemas (.json) in the folder and its subfolders are read, as in `uavspec check`. Schemas require a

@@ -1,5 +1,6 @@
 //! The things that all followers of records need.
 
+use uavspec_px4::event::EventMetadata;
 use uavspec_rules::definitions::Definitions;
 
 use super::label::Texts;
@@ -9,6 +10,7 @@ use super::lane::{Lane, LaneKind, Lanes};
 pub(super) struct Context<'c> {
     pub(super) definitions: &'c Definitions,
     pub(super) texts: &'c Texts,
+    pub(super) metadata: &'c EventMetadata,
     pub(super) lanes: &'c mut Lanes,
     /// The time in µs, by the clock of the capture.
     pub(super) time: u64,

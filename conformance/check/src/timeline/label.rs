@@ -5,9 +5,14 @@ use std::path::Path;
 
 use serde::Serialize;
 use uavspec_codegen::load::read_definitions_translated;
+use uavspec_dynamic::event::{DecodedEvent, Events};
+use uavspec_px4::event::{EventMetadata, EventOrigin};
 use uavspec_rules::definitions::Definitions;
+use uavspec_runtime::event::Profile;
 use uavspec_schema::prose::gist;
-use uavspec_schema::translation::{Language, MessageKeys, MessageText, Translations, error_code_key};
+use uavspec_schema::translation::{
+    Language, MessageKeys, MessageText, Translations, error_code_key, in_language,
+};
 use uavspec_schema::{ErrorTable, Failure, Message, MessageId, Schema};
 
 /// The configuration file of definitions.
@@ -17,7 +22,7 @@ const CONFIGURATION: &str = "uavspec.toml";
 const MAX_LABEL: usize = 120;
 
 /// The first sentence of a text in the definitions, with its translations.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, schemars::JsonSchema)]
 pub struct Label {
     /// The text in English.
     pub text: String,
@@ -30,6 +35,8 @@ pub struct Label {
 pub struct Texts {
     translations: Translations,
     built_in: (Definitions, Translations),
+    /// The built-in events in other languages, by tag.
+    events: Vec<(String, Events)>,
 }
 
 /// An item of a message that has a label.
@@ -70,7 +77,19 @@ impl Texts {
 
     /// The texts of definitions with these translations.
     pub fn of(translations: Translations) -> Self {
-        Self { translations, built_in: Definitions::built_in_translated() }
+        let built_in = Definitions::built_in_translated();
+        let events = Self::events(&built_in);
+        Self { translations, built_in, events }
+    }
+
+    /// The built-in events in other languages.
+    fn events((definitions, translations): &(Definitions, Translations)) -> Vec<(String, Events)> {
+        let package = definitions.schema.packages.iter().find(|package| !package.components.is_empty());
+        let translated = |language: &Language| {
+            let components = package.map(|package| in_language(package, language)).unwrap_or_default();
+            (language.tag.clone(), Events::new(components))
+        };
+        translations.languages.iter().map(translated).collect()
     }
 
     /// The definitions of error codes, modes and connections. Definitions without them, such as PX4 definitions, use the
@@ -117,6 +136,19 @@ impl Texts {
         let member = schema.enumeration(bound).members.iter().find(|member| member.name == name)?;
         let constant = &schema.message(bound.message).constants[member.constant];
         self.label(bound.message, Item::Constant(&constant.name), definitions)
+    }
+
+    /// The label of an event: its message. The built-in messages are translated.
+    pub(super) fn event(&self, event: &DecodedEvent<'_>, metadata: &EventMetadata) -> Option<Label> {
+        let mut label = Label::plain(&event.message(Profile::Normal))?;
+        if metadata.origin == EventOrigin::BuiltIn {
+            for (tag, events) in &self.events {
+                let translated = DecodedEvent::new(events, event.event.id, event.values.clone());
+                let translated = translated.map(|event| event.message(Profile::Normal));
+                label.translations.extend(translated.map(|text| (tag.clone(), text)));
+            }
+        }
+        Some(label)
     }
 
     /// The label of an error code, if it is defined.

@@ -50,6 +50,8 @@ pub enum LaneKind {
     State,
     /// Each message is an event.
     Event,
+    /// A mode or a component in health and arming reports. A first value without a problem isn't news.
+    Check,
 }
 
 /// A value of a lane.
@@ -64,7 +66,7 @@ pub struct Value {
 }
 
 /// A part of a value, such as a constant, a reason or a field.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, schemars::JsonSchema)]
 pub struct Part {
     /// The name, without the prefix of the enum.
     pub name: String,
@@ -120,7 +122,7 @@ impl Lane {
         let flag = |name, severity| Value::new(vec![Part::new(name, None)], severity);
         let values = match kind {
             LaneKind::Flag => vec![flag("cleared", Severity::Normal), flag("set", Severity::Error)],
-            LaneKind::State | LaneKind::Event => Vec::new(),
+            LaneKind::State | LaneKind::Event | LaneKind::Check => Vec::new(),
         };
         Self {
             topic: topic.to_owned(),
@@ -154,7 +156,9 @@ impl Lane {
     }
 
     fn is_quiet(&self, change: &Change) -> bool {
-        self.kind == LaneKind::Flag && change.is_first && change.value == 0
+        let has_problem =
+            self.values.get(change.value).is_some_and(|value| value.severity != Severity::Normal);
+        change.is_first && matches!(self.kind, LaneKind::Flag | LaneKind::Check) && !has_problem
     }
 
     fn value(&mut self, value: Value) -> usize {

@@ -1,6 +1,8 @@
 //! Follows the PX4 topics of the timeline.
 
 mod arming;
+mod events;
+mod flights;
 mod requirements;
 
 use std::collections::{BTreeSet, HashMap};
@@ -15,6 +17,8 @@ use uavspec_schema::value::Value as ConstantValue;
 use uavspec_schema::{Form, MessageId};
 
 pub use self::arming::{reply_events, text};
+use self::flights::Flights;
+pub use self::flights::{Flight, Overview, Refusal};
 use self::requirements::Requirements;
 pub use self::requirements::required_flags;
 use super::context::Context;
@@ -42,6 +46,8 @@ enum TopicKind {
     Requests,
     /// Each message is an event.
     Events,
+    /// Tells takeoffs and landings.
+    Landed,
     /// Each message registers or removes a component.
     Registrations,
 }
@@ -80,7 +86,7 @@ const fn battery(name: &'static str) -> Field {
 }
 
 /// The topics of the timeline, in the order of their lanes.
-pub(super) static TOPICS: [Topic; 9] = [
+pub(super) static TOPICS: [Topic; 10] = [
     Topic {
         name: "vehicle_status",
         kind: TopicKind::Fields(&[
@@ -100,6 +106,7 @@ pub(super) static TOPICS: [Topic; 9] = [
     Topic { name: "register_ext_component_reply", kind: TopicKind::Registrations },
     Topic { name: "unregister_ext_component", kind: TopicKind::Registrations },
     Topic { name: "event", kind: TopicKind::Events },
+    Topic { name: "vehicle_land_detected", kind: TopicKind::Landed },
 ];
 
 /// The subject of the first instance of a topic in a log.
@@ -131,6 +138,8 @@ pub(super) struct Px4 {
     carriers: HashMap<String, usize>,
     requirements: Requirements,
     arming: arming::Arming,
+    events: events::Events,
+    pub(super) flights: Flights,
 }
 
 /// A channel of a topic.
@@ -197,6 +206,15 @@ impl Px4 {
             TopicKind::Fields(fields) => {
                 open.follow(fields, false, values, context);
                 self.requirements.status(channel, values, context);
+                if *name == VEHICLE_STATUS {
+                    let stated = |field: &str| {
+                        let value = number(values, field)?;
+                        let (definitions, texts) = (context.definitions, context.texts);
+                        let value = state_value((name, field), open.definition, value, definitions, texts)?;
+                        value.parts.into_iter().next()
+                    };
+                    self.flights.status(channel, values, context.time, stated);
+                }
             }
             TopicKind::Flags(fields) => {
                 open.follow(fields, true, values, context);
@@ -205,7 +223,8 @@ impl Px4 {
             TopicKind::Replies => self.arming.reply(open.definition, values, context),
             TopicKind::Requests => self.arming.request(values, context),
             TopicKind::Registrations => self.arming.registration(name, open.definition, values, context),
-            TopicKind::Events => event(values, &open.subject, context),
+            TopicKind::Events => self.events.event(values, &open.subject, &mut self.flights, context),
+            TopicKind::Landed => self.flights.landed(values, context.time),
         }
         Some(Ok(name))
     }
@@ -423,41 +442,6 @@ fn integer(value: &ConstantValue) -> Option<i128> {
         Number::Int(value) => Some(value),
         Number::Float(_) => None,
     }
-}
-
-/// Records a message of the topic `event`.
-fn event(values: DynamicView<'_>, subject: &str, context: &mut Context<'_>) {
-    let topic = "event";
-    let lane = context.lane((topic, subject, topic), rank_of(topic), LaneKind::Event);
-    let Some(lane) = lane else { return };
-    let Some(part) = event_part(values) else { return };
-    // The lower 4 bits are the level for ground stations. Levels below 4 are errors, and 4 is a warning.
-    let severity = match number(values, "log_levels").map(|levels| levels & 0xf) {
-        Some(0..=3) => Severity::Error,
-        Some(4) => Severity::Warning,
-        _ => Severity::Info,
-    };
-    context.lanes.event(lane, context.time, Value::new(vec![part], severity));
-}
-
-/// Describes an event. The upper 8 bits of its id are the component, and the other bits are the event's number. The id 0
-/// means no event.
-fn event_part(values: DynamicView<'_>) -> Option<Part> {
-    let id = number(values, "id").filter(|id| *id != 0)?;
-    let levels = number(values, "log_levels");
-    let levels = levels.map(|levels| format!(", log levels {} and {}", levels >> 4, levels & 0xf));
-    let arguments = values.get("arguments").and_then(arguments);
-    let name = format!("event {id} (component {}, number {})", id >> 24, id & 0x00ff_ffff);
-    Some(Part::new(name + &levels.unwrap_or_default() + &arguments.unwrap_or_default(), None))
-}
-
-/// The raw arguments of an event without the zeros at the end. Their types aren't known.
-fn arguments(value: FieldValue<'_>) -> Option<String> {
-    let FieldValue::Array(bytes) = value else { return None };
-    let bytes: Vec<i128> = bytes.iter().filter_map(whole).collect();
-    let used = bytes.iter().rposition(|byte| *byte != 0)? + 1;
-    let bytes: Vec<String> = bytes[..used].iter().map(|byte| format!("{byte:02x}")).collect();
-    Some(format!(", arguments {}", bytes.join(" ")))
 }
 
 /// The value of an integer field.

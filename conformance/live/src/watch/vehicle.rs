@@ -25,7 +25,7 @@ use std::time::Duration;
 use uavspec_check::timeline::{Part, Texts, number, state_value, topic_name};
 use uavspec_dynamic::DynamicView;
 use uavspec_model::{Channel, Message};
-use uavspec_rules::definitions::Definitions;
+use uavspec_rules::definitions::{Definitions, EventMetadata};
 use uavspec_rules::px4::Interest;
 use uavspec_schema::MessageId;
 
@@ -70,6 +70,8 @@ pub struct Vehicle {
     pub batteries: BTreeMap<i128, Battery>,
     /// The external components.
     pub components: Components,
+    /// What the events of components mean.
+    pub(crate) metadata: Arc<EventMetadata>,
     /// The number of messages.
     pub messages: u64,
     /// The time of the latest message, in µs.
@@ -179,9 +181,10 @@ impl Vehicle {
             "failsafe_flags" => self.flags.message(values, meaning),
             "battery_status" => battery::message(&mut self.batteries, channel.multi_id, values, meaning),
             "arming_check_request" => self.components.request(values),
-            "arming_check_reply" => self.components.reply(values, time),
+            "arming_check_reply" => self.components.reply(values, time, (&self.metadata, texts)),
             "register_ext_component_reply" => self.components.registered(values),
-            _ => self.components.unregistered(values),
+            "unregister_ext_component" => self.components.unregistered(values),
+            _ => false,
         }
     }
 

@@ -12,8 +12,10 @@ use uavspec_check::timeline::{Label, Lane, Timeline, Value};
 use uavspec_model::text::{plural, shown, thousands};
 use uavspec_schema::terminal::guarded;
 
+use super::overview::sentences;
 use super::{
-    STATUSES, duration, entries, flag_noun, flags, is_flag, lane_name, num_quiet, remarks, time, totals,
+    STATUSES, duration, entries, flag_noun, flags, is_at_start, is_flag, lane_name, num_quiet, remarks,
+    sources, time, totals,
 };
 use crate::html::{page_foot, page_head};
 use crate::outcome::capitalized;
@@ -82,8 +84,9 @@ fn head(timeline: &Timeline) -> Markup {
             p.lede {
                 (duration(timeline.duration_us)) " long"
                 @if let Some(start) = &timeline.start_utc { ", starts " (shown(start)) }
-                ", explained by " span.path { (shown(&timeline.definitions)) }
+                ", explained by " span.path { (sources(timeline)) }
             }
+            (overview(timeline))
             @let remarks = remarks(timeline);
             @if !remarks.is_empty() { ul.remarks { @for remark in &remarks { li { (remark) } } } }
             dl.figures {
@@ -91,6 +94,19 @@ fn head(timeline: &Timeline) -> Markup {
                 div { dt { (flag_noun(timeline)) " set for some time" } dd { (flags(timeline).count()) } }
                 // An error code that was never set has no lane.
                 @if !timeline.is_session { div { dt { "flags never set" } dd { (num_quiet(timeline)) } } }
+            }
+        }
+    }
+}
+
+/// What a pilot asks first, in all languages.
+fn overview(timeline: &Timeline) -> Markup {
+    html! {
+        @if let Some(overview) = &timeline.overview {
+            ul.overview {
+                @for (tag, _) in languages(timeline) {
+                    @for sentence in sentences(overview, tag) { li data-label=(tag) { (sentence) } }
+                }
             }
         }
     }
@@ -157,7 +173,7 @@ fn changes(timeline: &Timeline) -> Markup {
                     tbody {
                         @for entry in &all {
                             tr {
-                                td.when { @if entry.change.is_first { "at start" } @else { (time(timeline, entry.change.time_us)) } }
+                                td.when { @if is_at_start(entry) { "at start" } @else { (time(timeline, entry.change.time_us)) } }
                                 td {
                                     code { (lane_name(entry.lane)) }
                                     @if let Some(text) = &entry.lane.label { span.aside { (label(text, timeline)) } }

@@ -1,11 +1,14 @@
 //! The timeline as text for a terminal.
 
-use uavspec_check::timeline::{Label, Timeline};
+use std::collections::HashMap;
+
+use uavspec_check::timeline::{Label, LaneKind, Part, Timeline};
 use uavspec_model::text::{plural, shown, thousands, wrapped};
 
+use super::overview::sentences;
 use super::{
-    Entry, STATUSES, duration, entries, flag_noun, flags, is_flag, lane_name, num_quiet, remarks, time,
-    totals,
+    Entry, STATUSES, duration, entries, flag_noun, flags, is_at_start, is_flag, lane_name, num_quiet,
+    remarks, sources, time, totals,
 };
 
 /// The width of the column with times.
@@ -15,6 +18,7 @@ const TIMES: usize = 12;
 pub fn to_text(timeline: &Timeline, language: &str) -> String {
     let sections = [
         vec![paragraph(&head(timeline))],
+        overview(timeline, language),
         changes(timeline, language),
         durations(timeline),
         summary(timeline),
@@ -27,8 +31,14 @@ pub fn to_text(timeline: &Timeline, language: &str) -> String {
 fn head(timeline: &Timeline) -> String {
     let start =
         timeline.start_utc.as_ref().map(|start| format!(", starts {}", shown(start))).unwrap_or_default();
-    let (path, definitions) = (shown(&timeline.capture), shown(&timeline.definitions));
-    format!("{path}: {} long{start}, explained by {definitions}", duration(timeline.duration_us))
+    let path = shown(&timeline.capture);
+    format!("{path}: {} long{start}, explained by {}", duration(timeline.duration_us), sources(timeline))
+}
+
+/// What a pilot asks first.
+fn overview(timeline: &Timeline, language: &str) -> Vec<String> {
+    let sentences = timeline.overview.iter().flat_map(|overview| sentences(overview, language));
+    sentences.map(|sentence| paragraph(&sentence)).collect()
 }
 
 fn paragraph(text: &str) -> String {
@@ -41,12 +51,40 @@ fn line(time: &str, text: &str) -> String {
 }
 
 fn changes(timeline: &Timeline, language: &str) -> Vec<String> {
-    let lines = entries(timeline).into_iter().map(|entry| {
-        let at_start = entry.change.is_first.then(|| "at start".to_owned());
+    let entries = entries(timeline);
+    let mut alike: HashMap<_, Vec<&Entry<'_>>> = HashMap::new();
+    for (key, entry) in entries.iter().filter_map(|entry| Some((key(entry)?, entry))) {
+        alike.entry(key).or_default().push(entry);
+    }
+    let lines = entries.iter().filter_map(|entry| {
+        let at_start = is_at_start(entry).then(|| "at start".to_owned());
         let when = at_start.unwrap_or_else(|| time(timeline, entry.change.time_us));
-        line(&when, &change(&entry, language))
+        let text = match key(entry) {
+            Some(key) => checks(&alike.remove(&key)?, language),
+            None => change(entry, language),
+        };
+        Some(line(&when, &text))
     });
     lines.collect()
+}
+
+/// The modes or components of a report that change to the same state at the same time share a line.
+fn key<'e>(entry: &Entry<'e>) -> Option<(i64, Option<&'e Label>, &'e [Part])> {
+    let Entry { lane, change, value } = *entry;
+    let is_check = lane.kind == LaneKind::Check;
+    is_check.then(|| (change.time_us, lane.group.as_ref(), value.parts.as_slice()))
+}
+
+/// The line of modes or components with the same state.
+fn checks(entries: &[&Entry<'_>], language: &str) -> String {
+    let name = |entry: &&Entry<'_>| {
+        let label = entry.lane.label.as_ref();
+        shown(label.map_or(&entry.lane.name, |label| label.in_language(language)))
+    };
+    let names: Vec<String> = entries.iter().map(name).collect();
+    let state = entries.first().and_then(|entry| entry.value.parts.first()).map(|part| shown(&part.name));
+    let topic = entries.first().map_or("", |entry| &entry.lane.topic);
+    format!("{topic}: {}: {}", state.unwrap_or_default(), names.join(", "))
 }
 
 fn change(entry: &Entry<'_>, language: &str) -> String {

@@ -6,12 +6,13 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use uavspec_definitions::PX4;
 use uavspec_lint::release::{self, entries};
+use uavspec_px4::event::EventMetadata;
 use uavspec_schema::msg::Dialect;
 use uavspec_schema::{Failure, Form, PackageInput, SourceMap, read, read_formats};
 
 use super::choice::{Choice, Clues};
 use super::index::{Family, Index, ReleaseId};
-use super::{Definitions, LoadedRelease, SchemaError, Schemas};
+use super::{Definitions, LoadedRelease, SchemaError, Schemas, built_in_events};
 use crate::limits::MAX_STORED;
 
 /// The ROS package of PX4's messages.
@@ -36,6 +37,7 @@ pub struct Library {
     /// The release that the user demands, with its family.
     forced: Option<(Family, ReleaseId)>,
     schemas: Arc<Schemas>,
+    events: Arc<EventMetadata>,
     index: OnceLock<&'static Index>,
     documented: OnceLock<Documented>,
     stored: Mutex<HashMap<Key, Arc<Definitions>>>,
@@ -87,6 +89,7 @@ impl Library {
             is_fixed,
             forced: None,
             schemas: Arc::default(),
+            events: built_in_events(),
             index: OnceLock::new(),
             documented: OnceLock::new(),
             stored: Mutex::default(),
@@ -107,13 +110,23 @@ impl Library {
         Ok(self)
     }
 
+    /// Uses a file with event metadata for captures that don't contain their own.
+    pub fn with_events(mut self, path: &Path) -> Result<Self, Failure> {
+        self.events = Arc::new(EventMetadata::load(path)?);
+        if let Some(base) = self.base.get_mut().and_then(Arc::get_mut) {
+            base.events = Arc::clone(&self.events);
+        }
+        Ok(self)
+    }
+
     /// The definitions for captures that don't show their release.
     pub fn base(&self) -> &Arc<Definitions> {
         self.base.get_or_init(|| {
             Arc::new(if let Some((_, release)) = self.forced {
                 self.read(&[Choice::without_clues(release)])
             } else {
-                Definitions { schemas: Arc::clone(&self.schemas), ..Definitions::built_in() }
+                let (schemas, events) = (Arc::clone(&self.schemas), Arc::clone(&self.events));
+                Definitions { schemas, events, ..Definitions::built_in() }
             })
         })
     }
@@ -227,8 +240,8 @@ impl Library {
         let definitions =
             Definitions::new(titles.join(", "), sources, schema).with_replacements(&replacements);
         let undecided = choices.iter().flat_map(|choice| choice.undecided.iter().cloned()).collect();
-        let schemas = Arc::clone(&self.schemas);
-        Definitions { releases, origins, undecided, schemas, ..definitions }
+        let (schemas, events) = (Arc::clone(&self.schemas), Arc::clone(&self.events));
+        Definitions { releases, origins, undecided, schemas, events, ..definitions }
     }
 
     fn loaded(&self, release: ReleaseId) -> LoadedRelease {

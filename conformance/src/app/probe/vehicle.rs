@@ -101,7 +101,7 @@ impl VehicleArgs {
 }
 
 pub(super) fn probe_vehicle(args: &ProbeArgs, address: &Address) -> Exit {
-    let library = library(args.definitions.as_deref(), None, &[])?;
+    let library = args.events.add_to(library(args.definitions.as_deref(), None, &[])?)?;
     let application = args.vehicle.application.as_deref().map(Application::load).transpose()?;
     let (application, note) = application.map(|found| (found.types, found.note)).unzip();
     let required = args.require.rules()?;

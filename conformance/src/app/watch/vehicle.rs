@@ -25,6 +25,7 @@ use uavspec_model::text::terminal;
 use uavspec_rules::definitions::Library;
 
 use super::{Input, MAX_FRAME_TIME, WAITING_LIMIT, WatchArgs, show, theme, unusable_terminal};
+use crate::app::events::EventsArgs;
 use crate::app::report::print_result;
 use crate::app::{Exit, Status, explain, first_given, interrupt, library};
 
@@ -46,6 +47,8 @@ pub(super) struct VehicleArgs {
     /// A release such as px4@1.16, a uavspec.toml file, or a folder that contains one.
     #[arg(long, value_name = "PATH|RELEASE")]
     definitions: Option<PathBuf>,
+    #[command(flatten)]
+    events: EventsArgs,
     /// Language of the labels, such as uk (default: en).
     #[arg(long, value_name = "LANGUAGE")]
     language: Option<String>,
@@ -59,6 +62,7 @@ impl VehicleArgs {
     pub(super) fn given(&self) -> Option<&'static str> {
         first_given(&[
             ("--definitions", self.definitions.is_some()),
+            ("--events", self.events.events.is_some()),
             ("--language", self.language.is_some()),
             ("--peer", !self.peer.is_empty()),
         ])
@@ -138,7 +142,7 @@ pub(super) fn watch_capture(args: &WatchArgs, path: &Path) -> Exit {
 /// Loads the definitions and texts. Errors are printed.
 fn prepare(args: &WatchArgs, source: String) -> Result<(Library, Texts, Labels), Status> {
     let definitions = args.vehicle.definitions.as_deref();
-    let library = library(definitions, None, &[])?;
+    let library = args.vehicle.events.add_to(library(definitions, None, &[])?)?;
     let texts = explain::texts(definitions)?;
     let language = explain::language(args.vehicle.language.as_deref(), &texts.languages())?;
     Ok((library, texts, Labels { source, language }))

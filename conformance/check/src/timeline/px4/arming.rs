@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 
 use uavspec_dynamic::{DynamicView, Value as FieldValue};
+use uavspec_px4::event::{EventMetadata, RawEvent};
 use uavspec_schema::MessageId;
 
-use super::{Defined, defined, event_part, number, rank_of};
+use super::{Defined, defined, events, number, rank_of};
 use crate::limits::MAX_COMPONENTS;
 use crate::timeline::context::Context;
-use crate::timeline::label::{Item, Label};
+use crate::timeline::label::{Item, Label, Texts};
 use crate::timeline::lane::{LaneKind, Part, Severity, Value};
 
 const REQUEST: &str = "arming_check_request";
@@ -53,7 +54,7 @@ impl Arming {
         let Some(lane) = lane else { return };
         let can_run = number(values, VERDICT) != Some(0);
         let mut parts = vec![Part::new(if can_run { "true" } else { "false" }, None)];
-        parts.extend(reply_events(values));
+        parts.extend(reply_events(values, context.metadata, context.texts));
         // The requirements of the mode, and the problems of the health component.
         for Defined { name, value, .. } in defined(id, values, context.definitions) {
             if matches!(value, FieldValue::Bool(true)) && name != VERDICT {
@@ -116,12 +117,12 @@ impl Arming {
 }
 
 /// The events in a reply.
-pub fn reply_events(values: DynamicView<'_>) -> Vec<Part> {
+pub fn reply_events(values: DynamicView<'_>, metadata: &EventMetadata, texts: &Texts) -> Vec<Part> {
     let Some(FieldValue::Array(events)) = values.get("events") else { return Vec::new() };
     let used = number(values, "num_events").and_then(|count| usize::try_from(count).ok());
     let events = events.iter().take(used.unwrap_or_default());
     let parts = events.filter_map(|event| match event {
-        FieldValue::Message(event) => event_part(event),
+        FieldValue::Message(event) => Some(events::part(&RawEvent::read(event)?, metadata, texts)),
         _ => None,
     });
     parts.collect()

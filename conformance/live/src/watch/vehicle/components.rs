@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use uavspec_check::timeline::{Part, number, reply_events, text};
+use uavspec_check::timeline::{Part, Texts, number, reply_events, text};
 use uavspec_dynamic::DynamicView;
+use uavspec_rules::definitions::EventMetadata;
 
 use crate::limits::MAX_COMPONENTS;
 
@@ -89,11 +90,16 @@ impl Components {
     }
 
     /// Takes a reply. Returns true if the displayed state changes.
-    pub(super) fn reply(&mut self, values: DynamicView<'_>, time: u64) -> bool {
+    pub(super) fn reply(
+        &mut self,
+        values: DynamicView<'_>,
+        time: u64,
+        (metadata, texts): (&EventMetadata, &Texts),
+    ) -> bool {
         let Some(id) = number(values, "registration_id") else { return false };
         let Some(component) = self.component(id) else { return false };
         let can_run = number(values, "can_arm_and_run").map(|value| value != 0);
-        let reasons = reply_events(values);
+        let reasons = reply_events(values, metadata, texts);
         let is_changed =
             component.can_run != can_run || component.reasons != reasons || component.unanswered >= LATE;
         component.replied = Some(time);

@@ -11,7 +11,7 @@ use uavspec_check::timeline::Texts;
 use uavspec_flockwave::record::SessionRecord;
 use uavspec_model::clock::Clock;
 use uavspec_model::{Channel, Message};
-use uavspec_rules::definitions::Definitions;
+use uavspec_rules::definitions::{Definitions, EventMetadata};
 use uavspec_rules::px4::Interest;
 
 use super::Vehicle;
@@ -279,6 +279,10 @@ pub struct Watcher<'w> {
 impl Observer for Watcher<'_> {
     fn opened(&mut self, channel: &Channel<'_>, definitions: &Definitions) -> Interest {
         self.playback.lock().vehicle.opened(channel, definitions)
+    }
+
+    fn metadata(&mut self, metadata: &Arc<EventMetadata>) {
+        self.playback.lock().vehicle.metadata = Arc::clone(metadata);
     }
 
     fn undecided(&mut self, channel: &Channel<'_>, definitions: &Definitions) {

@@ -1,0 +1,195 @@
+//! Events: what PX4 says, and the health and arming reports that events make up.
+
+use uavspec_dynamic::DynamicView;
+use uavspec_dynamic::event::DecodedEvent;
+use uavspec_px4::checks::{Component, ModeGroup, Problem, Reports, Step};
+use uavspec_px4::event::{EventMetadata, RawEvent};
+use uavspec_runtime::event::LogLevel;
+
+use super::flights::{Blocking, Flights};
+use super::rank_of;
+use crate::timeline::context::Context;
+use crate::timeline::label::{Label, Texts};
+use crate::timeline::lane::{Lane, LaneKind, Part, Severity, Value};
+
+const TOPIC: &str = "event";
+
+/// The groups of the lanes of reports.
+const MODES: &str = "Arming";
+const COMPONENTS: &str = "Health";
+const PROBLEMS: &str = "Problems";
+
+/// Follows the events of a channel.
+#[derive(Default)]
+pub(super) struct Events {
+    reports: Reports,
+    /// The problems of the latest report, each with its lane.
+    problems: Vec<(Problem, usize)>,
+    /// The number of the latest event.
+    sequence: Option<u16>,
+}
+
+impl Events {
+    /// Records a message of the topic `event`.
+    pub(super) fn event(
+        &mut self,
+        values: DynamicView<'_>,
+        subject: &str,
+        flights: &mut Flights,
+        context: &mut Context<'_>,
+    ) {
+        let lane = context.lane((TOPIC, subject, TOPIC), rank_of(TOPIC), LaneKind::Event);
+        let Some(raw) = RawEvent::read(values) else { return };
+        let before = std::mem::replace(&mut self.sequence, raw.sequence);
+        if before.zip(raw.sequence).is_some_and(|(before, now)| now != before.wrapping_add(1)) {
+            // Events are missing.
+            self.reports.interrupt();
+        }
+        let decoded = raw.decode(context.metadata.events()).ok();
+        let step = decoded.as_ref().map_or(Step::Unrelated, |event| self.reports.follow(event));
+        if step == Step::Complete {
+            self.report(flights, context);
+        }
+        if let Some(event) = &decoded {
+            flights.event(event, context.time);
+        }
+        // The lanes of the report show what it says.
+        if step != Step::Unrelated || decoded.is_some() && raw.level() == Some(LogLevel::Protocol) {
+            return;
+        }
+        let Some(lane) = lane else { return };
+        let value = Value::new(vec![part(&raw, context.metadata, context.texts)], severity(raw.level()));
+        context.lanes.event(lane, context.time, value);
+    }
+
+    /// Records a complete report.
+    fn report(&mut self, flights: &mut Flights, context: &mut Context<'_>) {
+        let Some(report) = self.reports.latest() else { return };
+        for (rank, mode) in report.modes.values().enumerate() {
+            set(context, (MODES, &mode.name, &mode.description), 1 + rank, state_of_mode(mode));
+        }
+        // Bit 0 means that a problem concerns no component.
+        for (bit, component) in report.components.iter().filter(|(bit, _)| **bit != 0) {
+            let rank = 100 + *bit as usize;
+            set(
+                context,
+                (COMPONENTS, &component.name, &component.description),
+                rank,
+                state_of_component(component),
+            );
+        }
+        let before = std::mem::take(&mut self.problems);
+        for problem in &report.problems {
+            if self.problems.iter().any(|(known, _)| known == problem) {
+                continue;
+            }
+            let lane = before.iter().find(|(known, _)| known == problem).map(|(_, lane)| *lane);
+            if let Some(lane) = lane.or_else(|| lane_of(problem, context)) {
+                context.lanes.set_flag(lane, context.time, true);
+                self.problems.push((problem.clone(), lane));
+            }
+        }
+        let blocking = report.problems.iter().filter_map(|problem| {
+            let (name, message) = message(problem, context)?;
+            Some(Blocking { problem, part: Part::new(name, Some(message)) })
+        });
+        flights.report(report, &blocking.collect::<Vec<_>>(), context.time);
+        for (_, lane) in before {
+            if self.problems.iter().all(|(_, current)| *current != lane) {
+                context.lanes.set_flag(lane, context.time, false);
+            }
+        }
+    }
+}
+
+/// Sets the value of a mode or a component.
+fn set(
+    context: &mut Context<'_>,
+    (group, name, description): (&str, &str, &str),
+    rank: usize,
+    (state, severity): (&str, Severity),
+) {
+    let name = format!("{}.{name}", group.to_lowercase());
+    let lane = context.lanes.get((TOPIC, "", &name), || Lane {
+        label: Label::plain(description),
+        group: Label::plain(group),
+        rank: rank_of(TOPIC) + rank,
+        ..Lane::new(TOPIC, &*name, LaneKind::Check)
+    });
+    if let Some(lane) = lane {
+        context.lanes.set(lane, context.time, Value::new(vec![Part::new(state, None)], severity));
+    }
+}
+
+fn state_of_mode(mode: &ModeGroup) -> (&'static str, Severity) {
+    match (mode.can_arm, mode.can_run) {
+        (true, true) => ("can arm", Severity::Normal),
+        (false, false) => ("can't arm", Severity::Error),
+        (false, true) => ("can't arm, but can run", Severity::Error),
+        (true, false) => ("can arm, but can't run", Severity::Warning),
+    }
+}
+
+fn state_of_component(component: &Component) -> (&'static str, Severity) {
+    match component {
+        Component { has_error: true, .. } => ("error", Severity::Error),
+        Component { has_warning: true, .. } => ("warning", Severity::Warning),
+        Component { is_present: true, .. } => ("present", Severity::Normal),
+        _ => ("not present", Severity::Normal),
+    }
+}
+
+/// The lane of a problem.
+fn lane_of(problem: &Problem, context: &mut Context<'_>) -> Option<usize> {
+    let (name, message) = message(problem, context)?;
+    // The same event with other arguments is another problem.
+    let key = format!("{name} {}", message.text);
+    let lane = context.lanes.get((TOPIC, "", &key), || Lane {
+        label: Some(message),
+        group: Label::plain(PROBLEMS),
+        rank: rank_of(TOPIC) + 200,
+        ..Lane::new(TOPIC, name, LaneKind::Flag)
+    })?;
+    // The problem began when it was first reported.
+    context.lanes.start_cleared(lane, context.time);
+    Some(lane)
+}
+
+/// The name and the message of a problem.
+fn message(problem: &Problem, context: &Context<'_>) -> Option<(String, Label)> {
+    let decoded = DecodedEvent::new(context.metadata.events(), problem.id, problem.values.clone())?;
+    let name = full_name(&decoded);
+    Some((name, context.texts.event(&decoded, context.metadata)?))
+}
+
+/// The name of an event, with its namespace.
+fn full_name(event: &DecodedEvent<'_>) -> String {
+    format!("{}::{}", event.component.namespace, event.event.name)
+}
+
+/// Describes an event: its name and its message, or its id and its bytes if nothing is known about it.
+pub(super) fn part(raw: &RawEvent, metadata: &EventMetadata, texts: &Texts) -> Part {
+    if let Ok(event) = raw.decode(metadata.events()) {
+        return Part::new(full_name(&event), texts.event(&event, metadata));
+    }
+    let RawEvent { id, levels, .. } = *raw;
+    let arguments: Vec<String> = raw.used().iter().map(|byte| format!("{byte:02x}")).collect();
+    let arguments =
+        if arguments.is_empty() { String::new() } else { format!(", arguments {}", arguments.join(" ")) };
+    let name = format!(
+        "event {id} (component {}, number {}), log levels {} and {}{arguments}",
+        id >> 24,
+        id & 0x00ff_ffff,
+        levels >> 4,
+        levels & 0xf
+    );
+    Part::new(name, None)
+}
+
+fn severity(level: Option<LogLevel>) -> Severity {
+    match level {
+        Some(level) if level <= LogLevel::Error => Severity::Error,
+        Some(LogLevel::Warning) => Severity::Warning,
+        _ => Severity::Info,
+    }
+}

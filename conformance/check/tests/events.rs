@@ -1,0 +1,173 @@
+//! Events, compared with libevents' Python parser.
+
+use std::fs::{self, File};
+use std::io::BufReader;
+use std::path::Path;
+
+use serde_json::{Map, Value, json};
+use uavspec_capture::ulog::{Event, Log, Reader};
+use uavspec_dynamic::event::{DecodedEvent, EventValue, Events};
+use uavspec_px4::checks::{Report, Reports, Step};
+use uavspec_px4::event::{EventMetadata, RawEvent};
+use uavspec_runtime::event::{Argument, Profile};
+use uavspec_schema::EventKind;
+use uavspec_test_support::shared;
+
+/// The events of a log, each decoded, as in the reference.
+fn events_of(log: &Path) -> Vec<Value> {
+    let mut reader = Reader::new(BufReader::new(File::open(log).expect("a log")));
+    let (mut formats, mut metadata, mut reports) = (Log::default(), Vec::new(), Reports::default());
+    let mut read: Option<EventMetadata> = None;
+    let mut found = Vec::new();
+    while let Some(item) = reader.next().expect("a readable log") {
+        if let Event::MultiInformation { key: "metadata_events", value, .. } = item.event {
+            metadata.extend_from_slice(value);
+        }
+        let Some(record) = formats.take(&item, &mut |_, _| {}) else { continue };
+        if record.subscription.topic != "event" {
+            continue;
+        }
+        let events =
+            read.get_or_insert_with(|| EventMetadata::of_capture(std::mem::take(&mut metadata))).events();
+        let values = record.message_type.view_uorb(record.payload).expect("an event");
+        let timestamp = values.get("timestamp").and_then(|time| time.number()).expect("a time");
+        let raw = RawEvent::read(values).expect("an event");
+        let mut event = json!({
+            "timestamp": timestamp.to_string().parse::<u64>().expect("a time"),
+            "sequence": raw.sequence,
+            "id": raw.id,
+            "log_levels": raw.levels,
+        });
+        match raw.decode(events) {
+            Err(_) => event["unknown"] = true.into(),
+            Ok(decoded) => {
+                let facts = decoded_event(&decoded);
+                event.as_object_mut().expect("an object").extend(facts);
+                let before = reports.latest().cloned().unwrap_or_default();
+                if reports.follow(&decoded) == Step::Complete {
+                    event["report"] = report(reports.latest().expect("a report"), &before, events);
+                }
+            }
+        }
+        found.push(event);
+    }
+    found
+}
+
+fn decoded_event(event: &DecodedEvent<'_>) -> Map<String, Value> {
+    let argument = |index: usize| {
+        let value = match event.values[index] {
+            EventValue::Integer(value) => json!(i64::try_from(value).expect("a small number")),
+            EventValue::Float(value) => json!(f64::from(value)),
+        };
+        let shown = event.argument(index).expect("an argument");
+        let text = match shown {
+            // The reference shows the digits of the number as a double.
+            Argument::Float(value) => python_float(f64::from(value)),
+            _ => shown.to_string(),
+        };
+        json!({ "value": value, "text": text })
+    };
+    let facts = json!({
+        "namespace": event.component.namespace,
+        "name": event.event.name,
+        "group": event.event.group,
+        "type": event.event.kind.name(),
+        "message": event.message(Profile::Dev),
+        "description": event.description(Profile::Dev),
+        "arguments": (0..event.values.len()).map(argument).collect::<Vec<_>>(),
+    });
+    facts.as_object().expect("an object").clone()
+}
+
+/// A number as Python shows it.
+fn python_float(value: f64) -> String {
+    if value.fract() == 0.0 { format!("{value:.1}") } else { value.to_string() }
+}
+
+fn report(report: &Report, before: &Report, events: &Events) -> Value {
+    let names = |problems: &[uavspec_px4::checks::Problem], without: &Report| -> Vec<String> {
+        let kept = problems.iter().filter(|problem| !without.problems.contains(problem));
+        kept.map(|problem| events.get(problem.id).expect("an event").1.name.clone()).collect()
+    };
+    let modes = report.modes.values();
+    let modes: Map<String, Value> = modes
+        .map(|mode| (mode.name.clone(), json!({ "can_arm": mode.can_arm, "can_run": mode.can_run })))
+        .collect();
+    let components = report.components.values();
+    let components: Map<String, Value> = components
+        .map(|found| {
+            let state = json!({
+                "present": found.is_present,
+                "error": found.has_error,
+                "warning": found.has_warning,
+            });
+            (found.name.clone(), state)
+        })
+        .collect();
+    json!({
+        "modes": modes,
+        "health": components,
+        "checks": names(&report.problems, &Report::default()),
+        "added": names(&report.problems, before),
+        "removed": names(&before.problems, report),
+    })
+}
+
+#[test]
+fn events_and_reports_are_those_of_the_reference() {
+    let (Some(oracle), Some(logs)) = (shared("oracle/events"), shared("corpus/ulog")) else { return };
+    let mut compared = 0;
+    for entry in fs::read_dir(oracle).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        if path.extension().is_none_or(|extension| extension != "json") {
+            continue;
+        }
+        let text = fs::read_to_string(&path).expect("a file");
+        let expected: Value = serde_json::from_str(&text).expect("JSON");
+        let expected = expected["events"].as_array().expect("events");
+        let log = logs.join(path.file_stem().expect("a name")).with_extension("ulg");
+        let found = events_of(&log);
+        assert_eq!(found.len(), expected.len(), "{path:?}");
+        for (found, expected) in found.iter().zip(expected) {
+            assert_eq!(found, expected, "{path:?}");
+        }
+        compared += found.len();
+    }
+    assert!(compared > 0, "no events");
+}
+
+/// The texts that differ between the reference parsers, in Python and in C++, each with the text that we show.
+#[test]
+fn differences_to_the_references_are_known() {
+    const INTEGER: &str = r#""type": "uint8_t""#;
+    const FLOAT: &str = r#""type": "float""#;
+    const ENUM: &str = r#""type": "side_t""#;
+    for (text, ty, bytes, ours, python, cpp) in [
+        // The shortest text of the same float.
+        ("{1}", FLOAT, 16.423_f32.to_le_bytes(), "16.423", "16.42300033569336", "16.423"),
+        ("{1}", FLOAT, 2_f32.to_le_bytes(), "2", "2.0", "2"),
+        // Numbers are decimal. C++ reads a number that starts with 0 as octal.
+        ("{01}", INTEGER, [7, 0, 0, 0], "7", "7", "7"),
+        // An unknown unit is a mistake, which we show.
+        ("{1ft}", INTEGER, [7, 0, 0, 0], "{1ft}", "{1ft}", "7 ft"),
+        ("{1:.1}", INTEGER, [7, 0, 0, 0], "7.0", "7.0", "7"),
+        // Decimal places make no sense for a label. Python fails.
+        ("{1:.1}", ENUM, [1, 0, 0, 0], "Left", "error", "Left"),
+        ("{1m}", ENUM, [1, 0, 0, 0], "Left m", "Left m", "Left"),
+        ("<profile>a</profile>b", INTEGER, [0; 4], "b", "b", "ab"),
+    ] {
+        let json = format!(
+            r#"{{"version": 2, "components": {{"0": {{"namespace": "common",
+            "enums": {{"side_t": {{"type": "uint8_t", "entries": {{"1": {{"name": "left", "description": "Left"}}}}}}}},
+            "event_groups": {{"default": {{"events": {{"1": {{"name": "a", "message": {},
+            "arguments": [{{"name": "b", {ty}}}]}}}}}}}}}}}}}}"#,
+            Value::from(text)
+        );
+        let (events, _) = Events::read(json.into_bytes());
+        let event = events.decode(1, &bytes).expect("an event");
+        assert_eq!(event.event.kind, EventKind::Plain);
+        let shown = event.message(Profile::Normal);
+        assert_eq!(shown, ours, "{text} is {python:?} in Python and {cpp:?} in C++");
+    }
+}

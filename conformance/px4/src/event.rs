@@ -1,0 +1,146 @@
+//! Events in PX4 messages, and the event metadata that says what they mean.
+
+use std::borrow::Cow;
+use std::path::Path;
+use std::sync::OnceLock;
+use std::{fmt, fs, io};
+
+use uavspec_dynamic::event::{DecodedEvent, EventError, Events};
+use uavspec_dynamic::{DynamicView, Value};
+use uavspec_runtime::Number;
+use uavspec_runtime::event::{LogLevel, MAX_ARGUMENTS_SIZE};
+use uavspec_schema::diagnostic::{Level, Problem};
+use uavspec_schema::event::{decompress, is_compressed};
+use uavspec_schema::{Failure, terminal};
+
+/// The event metadata for a capture, which is read when it is first used. The metadata of another build may decode events
+/// wrongly, so reports state the origin.
+#[derive(Debug, Default)]
+pub struct EventMetadata {
+    /// The origin.
+    pub origin: EventOrigin,
+    source: Cow<'static, [u8]>,
+    events: OnceLock<Events>,
+}
+
+impl EventMetadata {
+    /// The event metadata of uavspec, as JSON.
+    pub fn built_in(json: &'static [u8]) -> Self {
+        Self { origin: EventOrigin::BuiltIn, source: Cow::Borrowed(json), events: OnceLock::new() }
+    }
+
+    /// Reads a file with event metadata: JSON, which may be compressed with xz.
+    pub fn load(path: &Path) -> Result<Self, Failure> {
+        let shown = path.to_string_lossy().into_owned();
+        let failed =
+            |problem: &dyn fmt::Display| Failure::new(format!("{}: {problem}", terminal::path(path)));
+        let bytes = fs::read(path).map_err(|error| failed(&error))?;
+        let (events, mistakes) = read(&bytes).map_err(|error| failed(&error))?;
+        if let Some(error) = mistakes.iter().find(|mistake| mistake.level() == Level::Error) {
+            let path = terminal::path(path);
+            let hint =
+                format!("`uavspec lint --package events --dialect events --input {path}` lists all mistakes");
+            return Err(failed(error).with_hint(hint));
+        }
+        Ok(Self { origin: EventOrigin::File(shown), source: Cow::default(), events: events.into() })
+    }
+
+    /// The event metadata in a capture: JSON, which may be compressed with xz.
+    pub fn of_capture(bytes: Vec<u8>) -> Self {
+        Self { origin: EventOrigin::Capture, source: Cow::Owned(bytes), events: OnceLock::new() }
+    }
+
+    /// The events that can be decoded. Empty if the metadata can't be read.
+    pub fn events(&self) -> &Events {
+        self.events.get_or_init(|| read(&self.source).map(|(events, _)| events).unwrap_or_default())
+    }
+
+    /// The first reason why not all events can be decoded.
+    pub fn mistake(&self) -> Option<String> {
+        match read(&self.source) {
+            Ok((_, mistakes)) => {
+                mistakes.iter().find(|mistake| mistake.level() == Level::Error).map(ToString::to_string)
+            }
+            Err(error) => Some(error.to_string()),
+        }
+    }
+}
+
+fn read(bytes: &[u8]) -> io::Result<(Events, Vec<Problem>)> {
+    Ok(Events::read(if is_compressed(bytes) { decompress(bytes)? } else { bytes.to_vec() }))
+}
+
+/// The origin of event metadata.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum EventOrigin {
+    /// The capture contains the metadata of its firmware.
+    Capture,
+    /// The user gave a file.
+    File(String),
+    /// The definitions of uavspec.
+    #[default]
+    BuiltIn,
+}
+
+impl fmt::Display for EventOrigin {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Capture => formatter.write_str("its own event metadata"),
+            Self::File(path) => formatter.write_str(path),
+            Self::BuiltIn => formatter.write_str("the events that uavspec knows of PX4 1.15"),
+        }
+    }
+}
+
+/// An event in a message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RawEvent {
+    /// The id, which isn't 0.
+    pub id: u32,
+    /// The number of the event, which increases by one with each event.
+    pub sequence: Option<u16>,
+    /// The levels for logs and ground stations.
+    pub levels: u8,
+    /// The arguments.
+    pub arguments: [u8; MAX_ARGUMENTS_SIZE],
+}
+
+impl RawEvent {
+    /// Reads an event from a message of type `Event`. `None` if a field is missing, or if the message contains no event.
+    pub fn read(values: DynamicView<'_>) -> Option<Self> {
+        let Value::Array(bytes) = values.get("arguments")? else { return None };
+        let mut arguments = [0; MAX_ARGUMENTS_SIZE];
+        for (argument, byte) in arguments.iter_mut().zip(bytes.iter()) {
+            *argument = integer(byte)?;
+        }
+        Some(Self {
+            id: integer(values.get("id")?).filter(|id| *id != 0)?,
+            sequence: values.get("event_sequence").and_then(integer),
+            levels: integer(values.get("log_levels")?)?,
+            arguments,
+        })
+    }
+
+    /// The level for ground stations. `None` if the value has no meaning.
+    pub fn level(&self) -> Option<LogLevel> {
+        LogLevel::external(self.levels)
+    }
+
+    /// Decodes the event.
+    pub fn decode<'e>(&self, events: &'e Events) -> Result<DecodedEvent<'e>, EventError> {
+        events.decode(self.id, &self.arguments)
+    }
+
+    /// The arguments without the zeros at the end.
+    pub fn used(&self) -> &[u8] {
+        let used = self.arguments.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1);
+        &self.arguments[..used]
+    }
+}
+
+fn integer<T: TryFrom<i128>>(value: Value<'_>) -> Option<T> {
+    match value.number()? {
+        Number::Int(value) => value.try_into().ok(),
+        Number::Float(_) => None,
+    }
+}

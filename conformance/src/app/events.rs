@@ -1,0 +1,27 @@
+//! The option `--events`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use uavspec_rules::definitions::Library;
+
+use super::Status;
+
+/// The event metadata of the vehicle.
+#[derive(Args, Debug)]
+pub(super) struct EventsArgs {
+    /// Event metadata of the vehicle's firmware, for events in captures without it.
+    ///
+    /// The file all_events.json or all_events.json.xz that PX4's build writes. A log that contains its own event
+    /// metadata is read with that. The metadata of another build may name wrong events and arguments.
+    #[arg(long, value_name = "FILE")]
+    pub(super) events: Option<PathBuf>,
+}
+
+impl EventsArgs {
+    /// Adds the event metadata to definitions. Errors are printed.
+    pub(super) fn add_to(&self, library: Library) -> Result<Library, Status> {
+        let Some(path) = &self.events else { return Ok(library) };
+        library.with_events(path).map_err(|failure| Status::Usage.failed(&failure))
+    }
+}
