@@ -223,7 +223,7 @@ impl Metadata {
     }
 
     /// The reason why the metadata can't be trusted.
-    fn problem(&self) -> Option<String> {
+    fn wrong_hash(&self) -> Option<String> {
         let stated = self.digest.as_ref()?;
         let found: String = Sha256::digest(&self.bytes).iter().map(|byte| format!("{byte:02x}")).collect();
         let is_same = stated.eq_ignore_ascii_case(found.as_bytes());
@@ -357,11 +357,23 @@ impl<'d> LogChecker<'d> {
     /// Reads the event metadata at the end of the definitions.
     fn read_metadata(&mut self) {
         let metadata = std::mem::take(&mut self.metadata);
-        if let Some(place) = metadata.place {
-            if let Some(problem) = metadata.problem() {
-                return self.run.note(&format!("the event metadata at {place} can't be used: {problem}"));
+        let Some(place) = metadata.place else { return };
+        let wrong_hash = metadata.wrong_hash();
+        let read = EventMetadata::of_capture(metadata.bytes);
+        let problem = match &wrong_hash {
+            Some(problem) => Some(format!("the event metadata isn't used: {problem}")),
+            None => read.mistake().map(|mistake| format!("the event metadata isn't valid: {mistake}")),
+        };
+        if wrong_hash.is_none() {
+            self.run.set_metadata(read);
+        }
+        self.run.findings.cover(&px4::EVT_01.rule, 1);
+        match problem {
+            Some(text) if self.run.extent == Extent::Whole => {
+                self.run.findings.report(&px4::EVT_01.rule, Metadata::KEY, place, None, || Detail::new(text));
             }
-            self.run.set_metadata(EventMetadata::of_capture(metadata.bytes));
+            Some(text) => self.run.note(&text),
+            None => {}
         }
     }
 

@@ -95,10 +95,11 @@ impl Follower {
     fn parts<'c>(
         &'c mut self,
         definitions: &'c Definitions,
+        events: &'c EventMetadata,
         findings: &'c mut Findings,
     ) -> (&'c mut dyn px4::Checker, RuleContext<'c>) {
         let Self { rule, checker, coverage } = self;
-        (&mut **checker, RuleContext { rule, definitions, findings, coverage })
+        (&mut **checker, RuleContext { rule, definitions, events, findings, coverage })
     }
 }
 
@@ -163,7 +164,7 @@ impl<'d> CheckRun<'d> {
     pub(super) fn opened(&mut self, channel: &Channel<'_>) {
         let mut subscribers = Subscribers::default();
         for (at, follower) in self.followers.iter_mut().enumerate() {
-            let (checker, mut context) = follower.parts(self.definitions, &mut self.findings);
+            let (checker, mut context) = follower.parts(self.definitions, &self.events, &mut self.findings);
             let interest = checker.opened(channel, &mut context);
             if interest > Interest::Nothing {
                 subscribers.followers.push(at);
@@ -220,7 +221,8 @@ impl<'d> CheckRun<'d> {
             self.include_timestamp(message.timestamp);
         }
         for at in &self.channels[channel.index].followers {
-            let (checker, mut context) = self.followers[*at].parts(self.definitions, &mut self.findings);
+            let (checker, mut context) =
+                self.followers[*at].parts(self.definitions, &self.events, &mut self.findings);
             checker.message(channel, message, &mut context);
         }
         if let Some(observer) = &mut self.observer {
@@ -341,7 +343,7 @@ impl<'d> CheckRun<'d> {
     /// Passes a publisher or subscriber of a live vehicle to the rules.
     pub(super) fn endpoint(&mut self, endpoint: &Endpoint, location: Location) {
         for follower in &mut self.followers {
-            let (checker, mut context) = follower.parts(self.definitions, &mut self.findings);
+            let (checker, mut context) = follower.parts(self.definitions, &self.events, &mut self.findings);
             checker.endpoint(endpoint, location, &mut context);
         }
         self.place(location, None);
@@ -425,7 +427,7 @@ impl<'d> CheckRun<'d> {
 
     pub(super) fn finish(mut self, bytes: u64, summary: Summary, unit: Unit, parts: Parts) -> CaptureResult {
         for follower in &mut self.followers {
-            let (checker, mut context) = follower.parts(self.definitions, &mut self.findings);
+            let (checker, mut context) = follower.parts(self.definitions, &self.events, &mut self.findings);
             checker.end(&mut context);
             self.findings.cover(follower.rule, follower.coverage);
         }

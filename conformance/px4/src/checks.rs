@@ -89,7 +89,7 @@ pub enum Step {
 }
 
 /// Combines events to reports.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Reports {
     /// The chunk of the report that has begun.
     open: Option<u8>,
@@ -102,6 +102,11 @@ impl Reports {
     /// The latest complete report.
     pub fn latest(&self) -> Option<&Report> {
         self.latest.as_ref()
+    }
+
+    /// True if all reports so far had the same chunk, so that no part of the latest one is from an earlier report.
+    pub fn has_one_chunk(&self) -> bool {
+        self.chunks.len() == 1
     }
 
     /// Forgets the report that has begun, because events may be missing.

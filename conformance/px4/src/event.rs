@@ -20,13 +20,14 @@ pub struct EventMetadata {
     /// The origin.
     pub origin: EventOrigin,
     source: Cow<'static, [u8]>,
-    events: OnceLock<Events>,
+    /// The events that can be decoded, and the first reason why these aren't all.
+    read: OnceLock<(Events, Option<String>)>,
 }
 
 impl EventMetadata {
     /// The event metadata of uavspec, as JSON.
     pub fn built_in(json: &'static [u8]) -> Self {
-        Self { origin: EventOrigin::BuiltIn, source: Cow::Borrowed(json), events: OnceLock::new() }
+        Self { origin: EventOrigin::BuiltIn, source: Cow::Borrowed(json), read: OnceLock::new() }
     }
 
     /// Reads a file with event metadata: JSON, which may be compressed with xz.
@@ -42,27 +43,32 @@ impl EventMetadata {
                 format!("`uavspec lint --package events --dialect events --input {path}` lists all mistakes");
             return Err(failed(error).with_hint(hint));
         }
-        Ok(Self { origin: EventOrigin::File(shown), source: Cow::default(), events: events.into() })
+        Ok(Self { origin: EventOrigin::File(shown), source: Cow::default(), read: (events, None).into() })
     }
 
     /// The event metadata in a capture: JSON, which may be compressed with xz.
     pub fn of_capture(bytes: Vec<u8>) -> Self {
-        Self { origin: EventOrigin::Capture, source: Cow::Owned(bytes), events: OnceLock::new() }
+        Self { origin: EventOrigin::Capture, source: Cow::Owned(bytes), read: OnceLock::new() }
     }
 
     /// The events that can be decoded. Empty if the metadata can't be read.
     pub fn events(&self) -> &Events {
-        self.events.get_or_init(|| read(&self.source).map(|(events, _)| events).unwrap_or_default())
+        &self.read().0
     }
 
     /// The first reason why not all events can be decoded.
-    pub fn mistake(&self) -> Option<String> {
-        match read(&self.source) {
-            Ok((_, mistakes)) => {
-                mistakes.iter().find(|mistake| mistake.level() == Level::Error).map(ToString::to_string)
+    pub fn mistake(&self) -> Option<&str> {
+        self.read().1.as_deref()
+    }
+
+    fn read(&self) -> &(Events, Option<String>) {
+        self.read.get_or_init(|| match read(&self.source) {
+            Ok((events, mistakes)) => {
+                let error = mistakes.iter().find(|mistake| mistake.level() == Level::Error);
+                (events, error.map(ToString::to_string))
             }
-            Err(error) => Some(error.to_string()),
-        }
+            Err(error) => (Events::default(), Some(error.to_string())),
+        })
     }
 }
 
@@ -119,6 +125,17 @@ impl RawEvent {
             levels: integer(values.get("log_levels")?)?,
             arguments,
         })
+    }
+
+    /// The events in a message of type `ArmingCheckReply`.
+    pub fn of_reply(values: DynamicView<'_>) -> Vec<Self> {
+        let Some(Value::Array(events)) = values.get("events") else { return Vec::new() };
+        let used = values.get("num_events").and_then(integer).unwrap_or(0_usize);
+        let event = |event| match event {
+            Value::Message(event) => Self::read(event),
+            _ => None,
+        };
+        events.iter().take(used).filter_map(event).collect()
     }
 
     /// The level for ground stations. `None` if the value has no meaning.

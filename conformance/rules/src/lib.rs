@@ -21,6 +21,7 @@ pub mod px4;
 pub mod sample;
 
 use uavspec_model::{Counted, Detail, Findings, Location, Rule, SubjectName};
+use uavspec_px4::event::EventMetadata;
 use uavspec_schema::MessageId;
 use uavspec_schema::source::Span;
 
@@ -126,6 +127,8 @@ pub struct RuleContext<'c> {
     pub rule: &'static Rule,
     /// The definitions that the capture is checked against.
     pub definitions: &'c Definitions,
+    /// What the events of the capture mean.
+    pub events: &'c EventMetadata,
     /// All findings of the run.
     pub findings: &'c mut Findings,
     /// The number of items that the rule checked.

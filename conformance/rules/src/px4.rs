@@ -10,6 +10,15 @@ mod data_02;
 mod data_03;
 mod endpoints;
 mod enum_01;
+mod evt;
+mod evt_01;
+mod evt_02;
+mod evt_03;
+mod evt_04;
+mod evt_05;
+mod evt_06;
+mod evt_07;
+mod evt_08;
 mod ext;
 mod ext_01;
 mod ext_02;
@@ -49,13 +58,14 @@ pub use self::fsf_03::{REQUIREMENT, belongs_to};
 /// The rules checked by capture readers.
 pub use self::{
     cdr_01::RULE as CDR_01, cdr_02::RULE as CDR_02, data_01::RULE as DATA_01, data_02::RULE as DATA_02,
-    fmt_01::RULE as FMT_01, fmt_02::RULE as FMT_02, fmt_03::RULE as FMT_03, hash_01::RULE as HASH_01,
+    evt_01::RULE as EVT_01, fmt_01::RULE as FMT_01, fmt_02::RULE as FMT_02, fmt_03::RULE as FMT_03,
+    hash_01::RULE as HASH_01,
 };
 use super::RuleContext;
 use super::sample::{Bag, Encoding, Flight, Lines, Log};
 
 /// The PX4 rules, sorted by id.
-pub static RULES: [&Px4Rule; 33] = [
+pub static RULES: [&Px4Rule; 41] = [
     &arr_01::RULE,
     &bool_01::RULE,
     &cdr_01::RULE,
@@ -64,6 +74,14 @@ pub static RULES: [&Px4Rule; 33] = [
     &data_02::RULE,
     &data_03::RULE,
     &enum_01::RULE,
+    &evt_01::RULE,
+    &evt_02::RULE,
+    &evt_03::RULE,
+    &evt_04::RULE,
+    &evt_05::RULE,
+    &evt_06::RULE,
+    &evt_07::RULE,
+    &evt_08::RULE,
     &ext_01::RULE,
     &ext_02::RULE,
     &ext_03::RULE,

@@ -7,6 +7,7 @@
 
 mod bag;
 mod encoding;
+mod events;
 mod lines;
 mod log;
 
@@ -219,6 +220,24 @@ impl<'d> Flight<'d> {
         Some(changed)
     }
 
+    /// The index of the last message with the event at this index of a round.
+    pub(crate) fn last_event(&self, index: u64) -> Option<usize> {
+        let topic = self.topic("Event")?;
+        let is_wanted = |sent: &Sent| {
+            let number = sent.value["event_sequence"].as_u64();
+            sent.topic == topic && number.is_some_and(|number| number % events::NUM_EVENTS == index)
+        };
+        self.messages.iter().rposition(is_wanted)
+    }
+
+    /// Changes the last message with the event at this index of a round.
+    pub(crate) fn with_event(&self, index: u64, change: impl FnOnce(&mut Value)) -> Option<Self> {
+        let last = self.last_event(index)?;
+        let mut changed = self.clone();
+        change(&mut changed.messages[last].value);
+        Some(changed)
+    }
+
     /// The flight as a `ULog`.
     pub fn log(&self) -> Log {
         Log::from_flight(self)
@@ -306,6 +325,7 @@ fn messages_of_round(message: &str, round: u64, typical: &Value) -> Vec<Value> {
             let reply = answer(&typical, round);
             present().map(|(id, _)| with(&reply, &[("registration_id", (*id).into())])).collect()
         }
+        "Event" => vec![with(&typical, &events::fields(round))],
         "UnregisterExtComponent" => present()
             .filter(|(_, last)| round == *last)
             .map(|(id, _)| with(&typical, &[("arming_check_id", (*id).into())]))
@@ -322,13 +342,16 @@ fn request_id(round: u64) -> Value {
 /// A component's reply in one round. In some replies, the component refuses to arm.
 fn answer(typical: &Value, round: u64) -> Value {
     let can_arm = !round.is_multiple_of(REFUSED);
-    let events = if can_arm { 0 } else { 2 };
+    let num_events = if can_arm { 0 } else { 2 };
     let fields = [
         ("request_id", request_id(round)),
         ("can_arm_and_run", can_arm.into()),
-        ("num_events", events.into()),
+        ("num_events", num_events.into()),
     ];
     let mut answer = with(typical, &fields);
+    for index in 0..num_events {
+        answer.pointer_mut(&format!("/events/{index}")).into_iter().for_each(events::set_reason);
+    }
     // This entry is unused.
     if let Some(id) = answer.pointer_mut("/events/2/id") {
         *id = 0.into();

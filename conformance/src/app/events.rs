@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use uavspec_rules::definitions::Library;
+use uavspec_rules::definitions::{EventMetadata, Library};
 
 use super::Status;
 
@@ -22,6 +22,7 @@ impl EventsArgs {
     /// Adds the event metadata to definitions. Errors are printed.
     pub(super) fn add_to(&self, library: Library) -> Result<Library, Status> {
         let Some(path) = &self.events else { return Ok(library) };
-        library.with_events(path).map_err(|failure| Status::Usage.failed(&failure))
+        let events = EventMetadata::load(path).map_err(|failure| Status::Usage.failed(&failure))?;
+        Ok(library.with_events(events))
     }
 }

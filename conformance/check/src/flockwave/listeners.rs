@@ -81,7 +81,13 @@ impl<'d> Listeners<'d> {
         let definitions = self.definitions;
         for Listener { rule, running, coverage } in &mut self.all {
             if let Running::Session(state) = running {
-                state.end(&mut RuleContext { rule, definitions, findings: &mut *findings, coverage });
+                state.end(&mut RuleContext {
+                    rule,
+                    definitions,
+                    events: &definitions.events,
+                    findings: &mut *findings,
+                    coverage,
+                });
             }
             findings.cover(rule, *coverage);
         }
@@ -92,7 +98,13 @@ impl Views<'_> {
     /// Calls each listener with the view that its kind of check requires.
     fn show(&self, listeners: &mut [Listener], definitions: &Definitions, findings: &mut Findings) {
         for Listener { rule, running, coverage } in listeners {
-            let mut context = RuleContext { rule, definitions, findings: &mut *findings, coverage };
+            let mut context = RuleContext {
+                rule,
+                definitions,
+                events: &definitions.events,
+                findings: &mut *findings,
+                coverage,
+            };
             match (running, &self.message, &self.report) {
                 (Running::Stateless(Check::Message(check)), Some(message), _) => check(message, &mut context),
                 (Running::Stateless(Check::Exchange(check)), _, None) => check(self.exchange, &mut context),

@@ -3,7 +3,7 @@
 use std::fs;
 
 use serde_json::{Value as Json, json};
-use uavspec_rules::sample::{Encoding, Flight, PERIOD, START};
+use uavspec_rules::sample::{Encoding, Entry, Flight, PERIOD, START};
 use uavspec_schema::translation::Translations;
 use uavspec_test_support::extent;
 
@@ -91,7 +91,14 @@ fn all_encodings_tell_the_same_timeline() {
     let definitions = Definitions::built_in();
     let flight = flight_with_flag(&definitions, |round| round % 7 == 3);
     let lanes_in = |encoding: Encoding| {
-        let timeline = timeline(&encoding.write(&flight).expect("an encoded flight"), &definitions);
+        let mut bytes = encoding.write(&flight).expect("an encoded flight");
+        if encoding == Encoding::Ulog {
+            // The other encodings have no event metadata.
+            let mut log = flight.log();
+            log.entries.retain(|entry| !matches!(entry, Entry::Metadata(_)));
+            bytes = log.to_bytes();
+        }
+        let timeline = timeline(&bytes, &definitions);
         assert_eq!(timeline.unreadable_messages, 0, "{}", encoding.name());
         let from_first = |lane: &Lane| {
             let found = changes(lane);
@@ -126,7 +133,7 @@ fn tells_the_replies_of_each_component_with_their_reasons() {
     );
     let refused = &replies[0].values[replies[0].changes[0].value];
     assert_eq!((refused.parts[0].name.as_str(), refused.severity), ("false", Severity::Warning));
-    let events = refused.parts.iter().filter(|part| part.name.starts_with("event "));
+    let events = refused.parts.iter().filter(|part| part.name == "px4::check_modes_global_pos");
     assert_eq!(events.count(), 2, "only the used entries: {refused:?}");
     let requests = lane(&timeline, "arming_check_request", "valid_registrations_mask");
     assert_eq!(changes(requests)[0].1, "registration 3; registration 5");

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 use uavspec_rules::px4::Sent;
 use uavspec_runtime::Message as _;
+use uavspec_runtime::event::Event as _;
 use uavspec_types::px4::battery_status::BatteryWarning;
 use uavspec_types::px4::{
     ArmingCheckReply, ArmingCheckRequest, BatteryStatus, Event, FailsafeFlags, MessageFormatRequest,
@@ -12,6 +13,10 @@ use uavspec_types::px4::{
 };
 
 use super::release::Release;
+use uavspec_types::px4_events::px4::{
+    CommanderArmingCheckSummary, CommanderHealthSummary, HealthComponent, NavigationModeGroup,
+};
+
 use super::role::{Purpose, Role};
 
 /// The maximum number of registrations.
@@ -57,11 +62,8 @@ const FIRST_EXECUTOR: i8 = 1;
 /// A value that doesn't exist.
 const INVALID: i8 = -1;
 
-/// The id of the published events. Event metadata assign the meaning.
-const EVENT: u32 = 1_011;
-
-/// The log levels of the published events: info.
-const INFO: u8 = 0x66;
+/// The log levels of the summaries of a report: users never see them.
+const PROTOCOL: u8 = 0x88;
 
 /// `ARMING_STATE_DISARMED` of `VehicleStatus`.
 const DISARMED: u8 = 1;
@@ -165,8 +167,8 @@ impl Autopilot {
             self.registrations[slot.unsigned_abs() as usize] = Some(registration);
             self.next_request.get_or_insert(now + FIRST_REQUEST);
         }
-        let event = if reply.success { self.event(now) } else { None };
-        [Sent::new(&reply)].into_iter().chain(event).collect()
+        let report = if reply.success { self.report(&[], now) } else { Vec::new() };
+        [Sent::new(&reply)].into_iter().chain(report).collect()
     }
 
     /// Answers the question of a component that compares its definitions with those of the flight controller.
@@ -207,16 +209,18 @@ impl Autopilot {
         }
     }
 
-    /// Returns the event of a refusal.
-    fn replied(&mut self, reply: &ArmingCheckReply, now: u64) -> Option<Sent> {
+    /// Returns the report about a refusal.
+    fn replied(&mut self, reply: &ArmingCheckReply, now: u64) -> Vec<Sent> {
         self.replies += 1;
         let slot = self.registrations.get_mut(usize::from(reply.registration_id));
-        let registration = slot.and_then(Option::as_mut)?;
+        let Some(registration) = slot.and_then(Option::as_mut) else { return Vec::new() };
         if reply.request_id == self.id.wrapping_sub(1) {
             registration.has_replied = true;
             registration.missing = 0;
         }
-        if reply.can_arm_and_run { None } else { self.event(now) }
+        let reasons = reply.events.iter().take(reply.num_events.into());
+        let reasons: Vec<Event> = reasons.filter(|_| !reply.can_arm_and_run).cloned().collect();
+        if reasons.is_empty() { Vec::new() } else { self.report(&reasons, now) }
     }
 
     fn request(&mut self, now: u64) -> Sent {
@@ -248,12 +252,23 @@ impl Autopilot {
         slots.filter(|(_, known)| is_valid(known)).map(|(slot, _)| 1 << slot).sum()
     }
 
-    /// The event of a registration or a refusal. A judge publishes none.
-    fn event(&mut self, now: u64) -> Option<Sent> {
-        self.events = self.events.wrapping_add(1);
-        let (event_sequence, arguments) = (self.events, [0; 25]);
-        let event = Event { timestamp: now, id: EVENT, event_sequence, arguments, log_levels: INFO };
-        (self.purpose != Purpose::Judge).then(|| Sent::new(&event))
+    /// The health and arming report with these reasons for a refusal. A judge publishes none.
+    fn report(&mut self, reasons: &[Event], now: u64) -> Vec<Sent> {
+        if self.purpose == Purpose::Judge {
+            return Vec::new();
+        }
+        let modes = NavigationModeGroup(if reasons.is_empty() { ALL_MODES } else { 0 });
+        let start = CommanderArmingCheckSummary { can_arm: modes, can_run: modes, ..Default::default() };
+        let end = CommanderHealthSummary { is_present: HealthComponent::GPS, ..Default::default() };
+        let summary = |id, arguments| Event { id, arguments, log_levels: PROTOCOL, ..Event::default() };
+        let start = summary(CommanderArmingCheckSummary::ID, start.encode());
+        let end = summary(CommanderHealthSummary::ID, end.encode());
+        let events = [start].into_iter().chain(reasons.iter().cloned()).chain([end]);
+        let numbered = |event| {
+            self.events = self.events.wrapping_add(1);
+            Sent::new(&Event { timestamp: now, event_sequence: self.events, ..event })
+        };
+        events.map(numbered).collect()
     }
 
     fn state(&mut self, now: u64) -> [Sent; 3] {
@@ -287,7 +302,7 @@ impl Role for Autopilot {
             self.unregister(&message);
         }
         let reply = message.read::<ArmingCheckReply>();
-        reply.and_then(|reply| self.replied(&reply, now)).into_iter().collect()
+        reply.map(|reply| self.replied(&reply, now)).unwrap_or_default()
     }
 
     fn tick(&mut self, now: u64) -> Vec<Sent> {

@@ -1,11 +1,13 @@
 //! An external component, which takes part in arming checks. It sends no commands.
 
 use uavspec_rules::px4::Sent;
+use uavspec_runtime::event::Event as _;
 use uavspec_runtime::{Message as _, Text};
 use uavspec_types::px4::{
     ArmingCheckReply, ArmingCheckRequest, Event, RegisterExtComponentReply, RegisterExtComponentRequest,
     UnregisterExtComponent,
 };
+use uavspec_types::px4_events::px4::{CheckModesGlobalPos, NavigationModeGroup};
 
 use super::role::{Purpose, Role};
 
@@ -33,8 +35,9 @@ const REFUSAL: u64 = 4;
 /// A reference refuses arming once in this many replies.
 const REFUSAL_INTERVAL: u64 = 4;
 
-/// The id of the event that gives the reason of a refusal. Event metadata assign the meaning.
-const REASON: u32 = 1_011;
+/// The reason of a refusal. It affects all modes, and belongs to no component of the vehicle.
+const REASON: CheckModesGlobalPos =
+    CheckModesGlobalPos { modes: NavigationModeGroup(u32::MAX), health_component_index: 0 };
 
 /// The log levels of the reason: warning.
 const WARNING: u8 = 0x44;
@@ -167,7 +170,8 @@ impl Member {
             ..ArmingCheckReply::default()
         };
         if is_refused {
-            reply.events[0] = Event { id: REASON, log_levels: WARNING, ..Event::default() };
+            let (id, arguments) = (CheckModesGlobalPos::ID, REASON.encode());
+            reply.events[0] = Event { id, arguments, log_levels: WARNING, ..Event::default() };
         }
         Some(Sent::new(&reply))
     }
@@ -294,7 +298,7 @@ mod tests {
         let replies: Vec<_> = (1..20).flat_map(|id| replies(&mut component, id)).collect();
         let refusals: Vec<_> = replies.iter().filter(|reply| !reply.can_arm_and_run).collect();
         assert_eq!((replies.len(), refusals.len()), (19, 1));
-        assert_eq!((refusals[0].num_events, refusals[0].events[0].id), (1, REASON));
+        assert_eq!((refusals[0].num_events, refusals[0].events[0].id), (1, CheckModesGlobalPos::ID));
     }
 
     #[test]

@@ -13,12 +13,13 @@ use std::time::Duration;
 use std::{io, thread};
 
 use uavspec_check::{Checked, check_path, parallel};
+use uavspec_definitions::PX4_EVENTS;
 use uavspec_live::bus::memory::Network;
 use uavspec_live::bus::{self, Address, Bus, Event};
 use uavspec_live::vehicle::{Namespace, Options, probe, serve};
 use uavspec_model::clock::Clock;
 use uavspec_model::{ApplicationType, Findings};
-use uavspec_rules::definitions::Library;
+use uavspec_rules::definitions::{EventMetadata, Library};
 use uavspec_rules::px4::{Bug, Needs, Px4Rule, RULES, Side};
 
 use super::Found;
@@ -39,7 +40,8 @@ const DISCOVERY_TIME: Duration = Duration::from_secs(3);
 const PEERS: [IpAddr; 1] = [IpAddr::V4(Ipv4Addr::LOCALHOST)];
 
 /// The rules that participants without a bug cover.
-const COVERED: [&str; 6] = ["PX-EXT-01", "PX-EXT-02", "PX-EXT-03", "PX-EXT-05", "PX-EXT-06", "PX-TIME-01"];
+const COVERED: [&str; 8] =
+    ["PX-EVT-02", "PX-EVT-03", "PX-EXT-01", "PX-EXT-02", "PX-EXT-03", "PX-EXT-05", "PX-EXT-06", "PX-TIME-01"];
 
 /// A probe of one or two references.
 #[derive(Clone, Copy, Debug)]
@@ -257,7 +259,9 @@ pub fn check_bus(address: &Address) -> Result<(), String> {
 /// Probes the references of each case, and passes the results to `take` in case order. Without `buses`, the participants
 /// communicate within this process.
 pub fn pairs(cases: &[Case], buses: &[Address], mut take: impl FnMut(io::Result<Row>)) {
-    let (library, free) = (Library::built_in(), Mutex::new(buses.to_vec()));
+    // The references send the events that uavspec knows.
+    let library = Library::built_in().with_events(EventMetadata::of_capture(PX4_EVENTS.to_vec()));
+    let free = Mutex::new(buses.to_vec());
     let work = |case: &Case| {
         let address = free.lock().unwrap_or_else(PoisonError::into_inner).pop();
         let row = match &address {

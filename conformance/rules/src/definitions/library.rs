@@ -110,13 +110,14 @@ impl Library {
         Ok(self)
     }
 
-    /// Uses a file with event metadata for captures that don't contain their own.
-    pub fn with_events(mut self, path: &Path) -> Result<Self, Failure> {
-        self.events = Arc::new(EventMetadata::load(path)?);
+    /// Uses this event metadata for captures that don't contain their own.
+    #[must_use]
+    pub fn with_events(mut self, events: EventMetadata) -> Self {
+        self.events = Arc::new(events);
         if let Some(base) = self.base.get_mut().and_then(Arc::get_mut) {
             base.events = Arc::clone(&self.events);
         }
-        Ok(self)
+        self
     }
 
     /// The definitions for captures that don't show their release.

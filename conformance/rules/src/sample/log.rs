@@ -2,7 +2,9 @@
 
 use std::collections::BTreeSet;
 
+use sha2::{Digest as _, Sha256};
 use uavspec_capture::ULOG_MAGIC;
+use uavspec_definitions::PX4_EVENTS;
 use uavspec_dynamic::MessageType;
 use uavspec_px4::format::{fields, format_name, nested};
 
@@ -22,6 +24,8 @@ pub enum Entry {
     FlagBits,
     /// A key with its type, and a value.
     Information(&'static str, Vec<u8>),
+    /// Event metadata, in one piece.
+    Metadata(Vec<u8>),
     /// A format: its name and its fields.
     Format(String, String),
     /// A subscription: id, instance and topic.
@@ -35,8 +39,15 @@ pub enum Entry {
 impl Log {
     /// Creates the log for a flight. The id of a topic is its index.
     pub(super) fn from_flight(flight: &Flight<'_>) -> Self {
-        let mut log =
-            Self { entries: vec![Entry::FlagBits, Entry::Information("char[3] sys_name", b"PX4".to_vec())] };
+        let digest: String = Sha256::digest(PX4_EVENTS).iter().map(|byte| format!("{byte:02x}")).collect();
+        let mut log = Self {
+            entries: vec![
+                Entry::FlagBits,
+                Entry::Information("char[3] sys_name", b"PX4".to_vec()),
+                Entry::Information("char[64] metadata_events_sha256", digest.into_bytes()),
+                Entry::Metadata(PX4_EVENTS.to_vec()),
+            ],
+        };
         let mut named = BTreeSet::new();
         for (index, topic) in flight.topics.iter().enumerate() {
             log.format(&topic.name, flight.type_of(index), &mut named);
@@ -108,6 +119,12 @@ impl Entry {
             Self::Information(key, value) => {
                 let length = u8::try_from(key.len()).unwrap_or(u8::MAX);
                 (b'I', [&[length], key.as_bytes(), value].concat())
+            }
+            Self::Metadata(json) => {
+                let key = format!("uint8_t[{}] metadata_events", json.len());
+                let length = u8::try_from(key.len()).unwrap_or(u8::MAX);
+                // The first piece doesn't continue another one.
+                (b'M', [&[0, length], key.as_bytes(), json].concat())
             }
             Self::Format(name, fields) => (b'F', format!("{name}:{fields}").into_bytes()),
             Self::Subscription(id, multi_id, topic) => {

@@ -152,7 +152,13 @@ impl<'d> Known<'d> {
             let mut covered = 0;
             check(
                 &message,
-                &mut RuleContext { rule, definitions, findings: &mut findings, coverage: &mut covered },
+                &mut RuleContext {
+                    rule,
+                    definitions,
+                    events: &definitions.events,
+                    findings: &mut findings,
+                    coverage: &mut covered,
+                },
             );
             all.push((rule, covered));
         }

@@ -118,14 +118,7 @@ impl Arming {
 
 /// The events in a reply.
 pub fn reply_events(values: DynamicView<'_>, metadata: &EventMetadata, texts: &Texts) -> Vec<Part> {
-    let Some(FieldValue::Array(events)) = values.get("events") else { return Vec::new() };
-    let used = number(values, "num_events").and_then(|count| usize::try_from(count).ok());
-    let events = events.iter().take(used.unwrap_or_default());
-    let parts = events.filter_map(|event| match event {
-        FieldValue::Message(event) => Some(events::part(&RawEvent::read(event)?, metadata, texts)),
-        _ => None,
-    });
-    parts.collect()
+    RawEvent::of_reply(values).iter().map(|event| events::part(event, metadata, texts)).collect()
 }
 
 /// The subject of a component's replies.

@@ -1,0 +1,148 @@
+//! `PX-EVT-08`.
+
+use uavspec_dynamic::DynamicView;
+use uavspec_px4::event::RawEvent;
+
+use super::evt::{events, is_event};
+use super::ext::number;
+use super::prelude::*;
+use crate::sample::{Entry, Log};
+
+pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
+    id: "PX-EVT-08",
+    name: "Events about arming agree with the state",
+    level: Level::Info,
+    status: Status::Advisory,
+    statement: "After an event about arming or disarming, the next `vehicle_status` of the log states \
+                that the vehicle is armed or disarmed, for the same reason.",
+    source: "`arming_state`, `latest_arming_reason` and `latest_disarming_reason` of VehicleStatus",
+    applies_to: "logs",
+    why: "Tools that read the state and ground stations that show events tell the operator different \
+          things.",
+    example: "10.486 s commander_disarmed_by: 6 (landing)\n\
+              10.486 s vehicle_status.latest_disarming_reason: 8",
+    fix: "Set the reason in VehicleStatus to the number that the event states, before the event is \
+          sent.",
+})
+.check(Check::State(|| Box::new(Changes::default())))
+.mutants(&[
+    Mutant::ulog("a state with another reason than the event", |flight, log| with_status(flight, log, 2, 4)),
+    Mutant::ulog("a disarmed state after an event about arming", |flight, log| {
+        with_status(flight, log, 1, 3)
+    }),
+]);
+
+/// The events about arming and disarming, each with the field of `vehicle_status` that states the reason.
+const CHANGES: [(&str, &str); 2] =
+    [("commander_armed_by", "latest_arming_reason"), ("commander_disarmed_by", "latest_disarming_reason")];
+
+/// `arming_state` of an armed vehicle, in all releases.
+const ARMED: u8 = 2;
+
+/// The facts that the first instances of both topics state.
+#[derive(Default)]
+struct Changes {
+    /// The latest state, with its time in µs.
+    status: Option<(u64, State)>,
+    /// The latest event that no state has followed yet, with its time in µs.
+    event: Option<(u64, Event)>,
+}
+
+#[derive(Clone, Copy)]
+struct State {
+    is_armed: bool,
+    /// The reasons for arming and disarming.
+    reasons: [Option<u8>; 2],
+}
+
+#[derive(Clone)]
+struct Event {
+    /// The index in [`CHANGES`].
+    change: usize,
+    reason: u8,
+    topic: String,
+    location: Location,
+}
+
+impl Checker for Changes {
+    fn opened(&mut self, channel: &Channel<'_>, context: &mut RuleContext<'_>) -> Interest {
+        let is_relevant = channel.topic == STATUS || is_event(channel, context);
+        if channel.multi_id == Some(0) && is_relevant { Interest::Values } else { Interest::Nothing }
+    }
+
+    fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, context: &mut RuleContext<'_>) {
+        let (Some(values), Some(time)) = (message.values, message.timestamp) else { return };
+        if channel.topic == STATUS {
+            let Some(armed) = number::<u8>(values, "arming_state") else { return };
+            let reasons = CHANGES.map(|(_, field)| number(values, field));
+            self.status = Some((time, State { is_armed: armed == ARMED, reasons }));
+        } else if let Some(event) = change(channel, values, message.location, context) {
+            self.event = Some((time, event));
+        }
+        let (Some((stated, status)), Some((sent, _))) = (&self.status, &self.event) else { return };
+        if stated >= sent
+            && let Some((_, event)) = self.event.take()
+        {
+            status.judge(&event, context);
+        }
+    }
+
+    fn dropout(&mut self, _: u16, _: Location) {
+        *self = Self::default();
+    }
+
+    fn corruption(&mut self, _: Location) {
+        *self = Self::default();
+    }
+}
+
+/// The topic of the state.
+const STATUS: &str = "vehicle_status";
+
+/// The change that an event states.
+fn change(
+    channel: &Channel<'_>,
+    values: DynamicView<'_>,
+    location: Location,
+    context: &RuleContext<'_>,
+) -> Option<Event> {
+    let event = RawEvent::read(values)?.decode(events(context)?).ok()?;
+    let change = CHANGES.iter().position(|(name, _)| event.event.name == *name)?;
+    let reason = event.values.first()?.integer()?.try_into().ok()?;
+    Some(Event { change, reason, topic: channel.full_topic.to_owned(), location })
+}
+
+impl State {
+    fn judge(&self, event: &Event, context: &mut RuleContext<'_>) {
+        context.covered();
+        let (name, field) = CHANGES[event.change];
+        let arms = event.change == 0;
+        let stated = self.reasons[event.change];
+        let detail = if self.is_armed != arms {
+            let state = |is_armed: bool| if is_armed { "armed" } else { "disarmed" };
+            Detail::new(format!("after {name}, vehicle_status states that the vehicle is {}", state(!arms)))
+                .expected(state(arms))
+                .actual(state(!arms))
+        } else if let Some(other) = stated.filter(|stated| *stated != event.reason) {
+            Detail::new(format!("{name} states another reason than vehicle_status.{field}"))
+                .expected(other.to_string())
+                .actual(event.reason.to_string())
+        } else {
+            return;
+        };
+        let topic = SubjectName { name: &event.topic, instance: Some(0) };
+        context.violation_of(topic, event.location, None, || detail);
+    }
+}
+
+/// Adds a state after the last event, which is about arming. The sample has no topic `vehicle_status`.
+fn with_status(flight: &Flight<'_>, mut log: Log, armed: u8, reason: u8) -> Option<Log> {
+    let last = flight.messages.get(flight.last_event(3)?)?;
+    let time = last.value["timestamp"].as_u64()?;
+    let fields = "uint64_t timestamp;uint8_t arming_state;uint8_t latest_arming_reason;".to_owned();
+    let id = u16::MAX;
+    log.entries.insert(1, Entry::Format(STATUS.to_owned(), fields));
+    log.entries.push(Entry::Subscription(id, 0, STATUS.to_owned()));
+    log.entries.push(Entry::Data(id, [&time.to_le_bytes()[..], &[armed, reason]].concat()));
+    Some(log)
+}
