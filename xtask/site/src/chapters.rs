@@ -52,6 +52,7 @@ const PARTS: [(&str, &[Chapter]); 5] = [
         &[
             chapter("The .msg language", "xtask/site/guide/msg-language.md", "guide/msg-language.md"),
             chapter("Pages with tables", "definitions/README.md", "guide/tables.md"),
+            chapter("Events", "xtask/site/guide/events.md", "guide/events.md"),
             chapter("Editors", "xtask/site/guide/editors.md", "guide/editors.md"),
             chapter("Wire formats", "xtask/site/guide/wire-formats.md", "guide/wire-formats.md"),
             chapter("Find mistakes (lint)", "xtask/site/guide/lint.md", "guide/lint.md"),
@@ -124,11 +125,12 @@ const PARTS: [(&str, &[Chapter]); 5] = [
 const REFERENCE: &str = "Look up";
 
 /// Titles of the reference on the site, where they replace the names of packages.
-const TITLES: [(&str, &str); 4] = [
+const TITLES: [(&str, &str); 5] = [
     ("flockwave", "Flockwave protocol"),
     ("flockwave messages", "Flockwave messages"),
     ("flockwave types", "Flockwave types"),
     ("px4", "PX4 messages"),
+    ("px4_events", "PX4 events"),
 ];
 
 /// All handwritten documents.
