@@ -8,6 +8,8 @@
 //! ```
 
 use alloc::string::String;
+use alloc::vec::Vec;
+use core::fmt::Write as _;
 
 use miniz_oxide::inflate::decompress_to_vec;
 
@@ -26,6 +28,56 @@ impl Release {
     pub fn text(&self) -> String {
         unpacked(self.packed)
     }
+
+    /// The definitions, with the constants that the firmware of the release uses. `errata.tsv` lists those that a
+    /// definition states wrongly. Each has a comment with its source.
+    pub fn corrected_text(&self) -> String {
+        let errata: Vec<Erratum<'_>> = errata().filter(|erratum| self.has(erratum)).collect();
+        let mut message = "";
+        let mut text = String::new();
+        for line in self.text().lines() {
+            message = line.strip_prefix("MSG: ").and_then(|name| name.rsplit('/').next()).unwrap_or(message);
+            let (ty, constant) = line.split_once(' ').unwrap_or_default();
+            match errata.iter().find(|erratum| erratum.message == message && erratum.stated == constant) {
+                Some(Erratum { right: "", .. }) => {}
+                Some(Erratum { stated, right, meaning, source, .. }) => {
+                    let stated = stated.rsplit('=').next().unwrap_or_default();
+                    let _ =
+                        writeln!(text, "{ty} {right} # {meaning}; the definition states {stated} ({source})");
+                }
+                None => text.extend([line, "\n"]),
+            }
+        }
+        text
+    }
+
+    fn has(&self, erratum: &Erratum<'_>) -> bool {
+        self.family == "px4" && erratum.releases.split(' ').any(|release| release == self.name)
+    }
+}
+
+/// A constant that definitions state wrongly.
+struct Erratum<'t> {
+    /// The releases, separated by spaces.
+    releases: &'t str,
+    message: &'t str,
+    /// The constant in the definition, as `NAME=VALUE`.
+    stated: &'t str,
+    /// The constant in the firmware, as `NAME=VALUE`. Empty if the firmware has no such value.
+    right: &'t str,
+    meaning: &'t str,
+    source: &'t str,
+}
+
+/// The rows of `errata.tsv`.
+fn errata() -> impl Iterator<Item = Erratum<'static>> {
+    include_str!("releases/errata.tsv").lines().skip(1).filter_map(|line| {
+        let mut cells = line.split('\t');
+        let mut cell = || cells.next();
+        let [releases, message, stated, right, meaning, source] =
+            [cell()?, cell()?, cell()?, cell()?, cell()?, cell()?];
+        Some(Erratum { releases, message, stated, right, meaning, source })
+    })
 }
 
 include!(concat!(env!("OUT_DIR"), "/releases.rs"));
@@ -38,4 +90,26 @@ pub fn fingerprints() -> String {
 fn unpacked(packed: &[u8]) -> String {
     // The build script compressed a text.
     decompress_to_vec(packed).ok().and_then(|bytes| String::from_utf8(bytes).ok()).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_erratum_corrects_a_constant_of_its_releases() {
+        for erratum in errata() {
+            for name in erratum.releases.split(' ') {
+                let is_it = |release: &&Release| release.family == "px4" && release.name == name;
+                let release = RELEASES.iter().find(is_it).expect("a release");
+                let count = |text: &str, constant: &str| {
+                    let is_it = |line: &&str| line.split(' ').nth(1) == Some(constant);
+                    text.lines().filter(is_it).count()
+                };
+                let (text, corrected) = (release.text(), release.corrected_text());
+                assert_eq!((count(&text, erratum.stated), count(&corrected, erratum.stated)), (1, 0));
+                assert_eq!(count(&corrected, erratum.right), usize::from(!erratum.right.is_empty()));
+            }
+        }
+    }
 }

@@ -257,12 +257,16 @@ impl Config {
             .map_err(|(range, message)| unreadable_at(&self.path, &self.text, range, &message))?;
         let conversions = conversions(self.file.conversions, &self.file.packages, folder)
             .map_err(|(range, message)| unreadable_at(&self.path, &self.text, range, &message))?;
-        let is_table = |package: &&Package| matches!(package.dialect, DialectName::Table);
-        if let Some(releases) =
-            self.file.packages.iter().filter(is_table).find_map(|package| package.releases.as_ref())
-        {
-            let message = "a package of the `table` dialect has no `releases`";
-            return Err(unreadable_at(&self.path, &self.text, releases.span(), message));
+        for package in &self.file.packages {
+            let dialect = match package.dialect {
+                DialectName::Table => "table",
+                DialectName::Events => "events",
+                _ => continue,
+            };
+            if let Some(releases) = &package.releases {
+                let message = format!("a package of the `{dialect}` dialect has no `releases`");
+                return Err(unreadable_at(&self.path, &self.text, releases.span(), &message));
+            }
         }
         let packages = self
             .file

@@ -46,8 +46,8 @@ use crate::{
 /// The version of the JSON format.
 const VERSION: u32 = 1;
 
-/// The topic of events.
-const EVENT: &str = "event";
+/// The topics with events.
+const EVENT_TOPICS: [&str; 2] = ["event", "arming_check_reply"];
 
 /// The timeline of a capture.
 #[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
@@ -263,6 +263,7 @@ impl<'t> Follower<'t> {
         let corruption = corruption.map(|(location, text)| format!("{location}: {text}")).collect();
         let topics = self.topics(is_session, &result.coverage.parts);
         let values_without_lane = self.lanes.more;
+        let has_events = EVENT_TOPICS.iter().any(|topic| self.seen.contains(topic));
         let mut lanes = self.lanes.finish(start, end);
         px4::hide_only_channels(&mut lanes);
         Ok(Timeline {
@@ -270,7 +271,7 @@ impl<'t> Follower<'t> {
             uavspec: env!("CARGO_PKG_VERSION").to_owned(),
             capture,
             definitions: definitions.name.clone(),
-            event_metadata: self.seen.contains(EVENT).then(|| self.metadata.origin.to_string()),
+            event_metadata: has_events.then(|| self.metadata.origin.to_string()),
             releases: result.summary.releases().to_vec(),
             start_utc: result.clock.utc(start),
             duration_us: end.saturating_sub(start),

@@ -12,7 +12,7 @@ use uavspec_capture::names::is_capture;
 use uavspec_check::limits::{MAX_ALL_CHANGES, MAX_CHANGES};
 use uavspec_check::timeline::{Texts, Timeline, TopicStatus};
 use uavspec_model::Extent;
-use uavspec_model::text::{plural, terminal};
+use uavspec_model::text::{plural, shown, terminal};
 use uavspec_report::timeline::{WhyNotArm, to_html, to_json, to_text};
 use uavspec_schema::json_text;
 use uavspec_schema::stage::write_file;
@@ -165,10 +165,15 @@ fn timeline(args: &ExplainArgs) -> Exit {
 
 /// Prints why the vehicle couldn't arm.
 fn why_not_arm(args: &ExplainArgs, timeline: &Timeline, question: &WhyNotArm, language: &str) -> Exit {
-    let Some(overview) = timeline.overview.as_ref().filter(|overview| overview.has_reports) else {
+    let Some(overview) = timeline.overview.as_ref().filter(|overview| !overview.modes.is_empty()) else {
         let help = "PX4 reports the reasons in events, which logs of PX4 1.14 and later contain";
         return Err(Status::Nothing.with_help("the capture has no health and arming report", help));
     };
+    if let Some(mode) = question.unknown_mode(overview) {
+        let known: Vec<String> = overview.modes.iter().map(|mode| shown(&mode.name)).collect();
+        let help = format!("the modes are {}", known.join(", "));
+        return Err(Status::Usage.with_help(format_args!("there is no mode `{}`", shown(mode)), &help));
+    }
     let text = match args.format {
         Format::Text => question.answer(overview, language),
         Format::Json => json_text::pretty(&question.refusals(overview)),

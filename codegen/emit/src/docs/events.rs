@@ -48,7 +48,8 @@ pub(super) fn contents(
         let title = title(words, component);
         let title = if words.are_english() { format!("{title} ({})", language.name) } else { title };
         contents.push((1, title, path_in(&overview, &language.tag)));
-        contents.extend(pages.iter().map(|(name, path)| (2, name.clone(), path_in(path, &language.tag))));
+        let name = |name| format!("{name} ({})", language.name);
+        contents.extend(pages.iter().map(|(of, path)| (2, name(of), path_in(path, &language.tag))));
     }
     contents
 }

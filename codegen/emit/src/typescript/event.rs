@@ -15,7 +15,7 @@ const TYPES: &str = include_str!("events/types.ts.txt");
 const CODE: &str = include_str!("events/events.ts.txt");
 
 const TEXT: &str = "Decodes an event from its id and the bytes of its arguments. Returns null if this package has no such \
-                    event. Throws a `RangeError` if there are too few bytes.";
+                    event. Throws a RangeError if there are too few bytes.";
 
 /// Creates the shared module.
 pub(super) fn module(language: Language) -> OutputFile {

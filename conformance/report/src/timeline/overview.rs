@@ -28,6 +28,11 @@ pub struct WhyNotArm {
 }
 
 impl WhyNotArm {
+    /// The mode in the question, if no report states it.
+    pub fn unknown_mode(&self, overview: &Overview) -> Option<&str> {
+        self.mode.as_deref().filter(|mode| !overview.modes.iter().any(|known| is_named(known, mode)))
+    }
+
     /// The refusals that answer the question.
     pub fn refusals<'o>(&self, overview: &'o Overview) -> Vec<&'o Refusal> {
         let is_at = |refusal: &Refusal| {

@@ -263,7 +263,7 @@ impl Library {
     ) -> Vec<PackageInput> {
         let index = self.index();
         let (family, label) = (index.family(release), index.label(release));
-        let text = index.release(release).text();
+        let text = index.release(release).corrected_text();
         let text = match names {
             Some(names) => release::select(&text, names),
             None => text,

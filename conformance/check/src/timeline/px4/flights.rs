@@ -7,7 +7,7 @@ use serde::Serialize;
 use uavspec_dynamic::DynamicView;
 use uavspec_dynamic::event::DecodedEvent;
 use uavspec_model::Channel;
-use uavspec_px4::checks::{Problem, Report};
+use uavspec_px4::checks::{ModeGroup, Problem, Report};
 
 use super::number;
 use crate::limits::{MAX_FLIGHTS, MAX_REFUSALS};
@@ -29,8 +29,8 @@ const NEAR: u64 = 2_000_000;
 pub struct Overview {
     /// The times at which the vehicle couldn't arm in a mode. Empty if it could, or if there are no reports.
     pub refusals: Vec<Refusal>,
-    /// True if the capture has a health and arming report.
-    pub has_reports: bool,
+    /// The modes in the health and arming reports. Empty if there are no reports.
+    pub modes: Vec<Part>,
     /// The flights.
     pub flights: Vec<Flight>,
 }
@@ -171,7 +171,9 @@ impl Flights {
 
     /// Takes the reasons against arming from a report.
     pub(super) fn report(&mut self, report: &Report, problems: &[Blocking<'_>], time: u64) {
-        self.overview.has_reports = true;
+        if self.overview.modes.is_empty() {
+            self.overview.modes = report.modes.values().map(part).collect();
+        }
         let is_refused = |bit: u32| report.modes.get(&bit).is_some_and(|mode| !mode.can_arm);
         self.end_refusals(time, |bit| !is_refused(bit));
         if self.is_armed == Some(true) {
@@ -182,9 +184,8 @@ impl Flights {
             let refusals = &mut self.overview.refusals;
             let index = *self.open.entry(*bit).or_insert(refusals.len());
             if index == refusals.len() && index < MAX_REFUSALS {
-                let name = Part::new(mode.name.clone(), Label::plain(&mode.description));
                 refusals.push(Refusal {
-                    mode: name,
+                    mode: part(mode),
                     is_selected: false,
                     from_us: instant(time),
                     until_us: None,
@@ -230,6 +231,10 @@ impl Flights {
         }
         Some(self.overview)
     }
+}
+
+fn part(mode: &ModeGroup) -> Part {
+    Part::new(mode.name.clone(), Label::plain(&mode.description))
 }
 
 /// The problems that prevent arming in a mode. PX4 reports a problem that prevents nothing for all modes, so such problems
