@@ -52,6 +52,8 @@ mod enum_alias;
 mod enum_of_bits;
 mod enum_type;
 mod event_argument_unused;
+mod event_enum_differs;
+mod event_mode_missing;
 mod field_comment_missing;
 mod frame_unknown;
 mod header_end;
@@ -122,7 +124,9 @@ pub const RULES: &[&Rule] = &[
     &parser_warnings::ENUM_VALUE_OUT_OF_RANGE,
     &event_argument_unused::RULE,
     &parser_warnings::EVENT_BIT,
+    &event_enum_differs::RULE,
     &parser_warnings::EVENT_ID,
+    &event_mode_missing::RULE,
     &parser_warnings::EVENT_VERSION,
     &field_comment_missing::RULE,
     &frame_unknown::RULE,
@@ -289,6 +293,7 @@ impl Linter<'_> {
             Check::Package(check) => {
                 self.schema.packages.iter().for_each(|package| check(package, self.sources, sink));
             }
+            Check::Schema(check) => check(self.schema, sink),
             Check::Conversion(check) => {
                 let converted = answers.iter().map(|answer| Converted { schema: self.schema, answer });
                 converted.for_each(|converted| check(&converted, sink));

@@ -84,6 +84,8 @@ pub enum Check {
     Message(Scope, fn(&Subject<'_>, &mut Sink<'_>)),
     /// Checks each package.
     Package(fn(&Package, &SourceMap, &mut Sink<'_>)),
+    /// Checks what several packages state.
+    Schema(fn(&Schema, &mut Sink<'_>)),
     /// Checks the conversions that share a file with hints.
     Conversion(fn(&Converted<'_>, &mut Sink<'_>)),
     /// Checks the ignore comments.

@@ -42,6 +42,26 @@ pub const CONVERTED: [Example; 2] = [
     Example { path: "new_msgs/Glider.msg", text: "float32 sink\nbool is_landed\n" },
 ];
 
+/// The file of a message whose values are also those of event metadata.
+const STATUS: &str = "VehicleStatus.msg";
+
+/// The event metadata with the values of [`STATUS`].
+const STATUS_EVENTS: Example = Example {
+    path: "events.json",
+    text: concat!(
+        r#"{"version": 2, "components": {"1": {"namespace": "px4", "enums": {"#,
+        "\n",
+        r#" "arm_disarm_reason_t": {"type": "uint8_t", "entries": {"#,
+        "\n",
+        r#"  "6": {"name": "landing", "description": "landing"}}},"#,
+        "\n",
+        r#" "navigation_mode_group_t": {"type": "uint32_t", "is_bitfield": true, "entries": {"#,
+        "\n",
+        r#"  "1": {"name": "manual", "description": "Manual"}}}}}}}"#,
+        "\n"
+    ),
+};
+
 /// The extension of event metadata.
 const EVENTS: &str = ".json";
 
@@ -134,11 +154,13 @@ impl Example {
         is_catalogue(self.path) || is_hints(self.path) || self.path.ends_with(EVENTS)
     }
 
-    /// The path and text. A catalogue and hints are preceded by the definitions that they refer to.
+    /// The path and text. A catalogue and hints are preceded by the definitions that they refer to, and the state of a
+    /// vehicle by the event metadata with its values.
     pub fn files(&self) -> Vec<(&'static str, &'static str)> {
         let definitions: &[Self] = match self.path {
             path if is_catalogue(path) => &[TRANSLATED],
             path if is_hints(path) => &CONVERTED,
+            STATUS => &[STATUS_EVENTS],
             _ => &[],
         };
         definitions.iter().chain([self]).map(Self::file).collect()
