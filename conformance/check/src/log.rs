@@ -340,6 +340,9 @@ impl<'d> LogChecker<'d> {
                 self.metadata.digest = Some(value.to_vec())
             }
             Event::Subscription { .. } => self.read_metadata(),
+            Event::Logging { level, timestamp, text, .. } => {
+                self.run.text(level.saturating_sub(b'0'), text, *timestamp);
+            }
             Event::Dropout { milliseconds } => {
                 self.dropouts += 1;
                 self.run.dropout(*milliseconds, location);

@@ -28,6 +28,9 @@ pub trait Observer {
         definitions: &Definitions,
     );
 
+    /// Receives a line of text in a log. The level is that of syslog, from 0 to 7.
+    fn text(&mut self, _level: u8, _text: &str, _time: u64) {}
+
     /// Receives a record of a session.
     fn session_record(&mut self, record: &SessionRecord<'_>, time: Option<u64>, definitions: &Definitions);
 }

@@ -161,6 +161,13 @@ impl<'d> CheckRun<'d> {
         }
     }
 
+    /// Passes a line of text to the observer. The level is that of syslog, from 0 to 7.
+    pub(super) fn text(&mut self, level: u8, text: &str, time: u64) {
+        if let Some(observer) = &mut self.observer {
+            observer.text(level, text, time);
+        }
+    }
+
     pub(super) fn opened(&mut self, channel: &Channel<'_>) {
         let mut subscribers = Subscribers::default();
         for (at, follower) in self.followers.iter_mut().enumerate() {

@@ -220,6 +220,10 @@ impl Observer for Follower<'_> {
         }
     }
 
+    fn text(&mut self, level: u8, text: &str, time: u64) {
+        px4::logged_text(level, text, time, &self.metadata, &mut self.lanes);
+    }
+
     fn session_record(&mut self, record: &SessionRecord<'_>, time: Option<u64>, definitions: &Definitions) {
         self.latest = time.unwrap_or(self.latest);
         let mut context = Context {

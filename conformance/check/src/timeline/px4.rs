@@ -17,6 +17,7 @@ use uavspec_schema::value::Value as ConstantValue;
 use uavspec_schema::{Form, MessageId};
 
 pub use self::arming::{reply_events, text};
+pub(super) use self::events::logged_text;
 use self::flights::Flights;
 pub use self::flights::{Flight, Overview, Refusal};
 use self::requirements::Requirements;

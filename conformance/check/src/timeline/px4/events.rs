@@ -3,16 +3,19 @@
 use uavspec_dynamic::DynamicView;
 use uavspec_dynamic::event::DecodedEvent;
 use uavspec_px4::checks::{Component, ModeGroup, Problem, Reports, Step};
-use uavspec_px4::event::{EventMetadata, RawEvent};
+use uavspec_px4::event::{EventMetadata, EventOrigin, RawEvent};
 use uavspec_runtime::event::LogLevel;
 
 use super::flights::{Blocking, Flights};
-use super::rank_of;
+use super::{RANKS, rank_of};
 use crate::timeline::context::Context;
 use crate::timeline::label::{Label, Texts};
-use crate::timeline::lane::{Lane, LaneKind, Part, Severity, Value};
+use crate::timeline::lane::{Lane, LaneKind, Lanes, Part, Severity, Value};
 
 const TOPIC: &str = "event";
+
+/// The name that stands for the lines of text in a log.
+const TEXTS: &str = "logging";
 
 /// The groups of the lanes of reports.
 const MODES: &str = "Arming";
@@ -99,6 +102,28 @@ impl Events {
                 context.lanes.set_flag(lane, context.time, false);
             }
         }
+    }
+}
+
+/// Records a line of text in a log, without its colours.
+pub(in crate::timeline) fn logged_text(
+    level: u8,
+    text: &str,
+    time: u64,
+    metadata: &EventMetadata,
+    lanes: &mut Lanes,
+) {
+    // PX4 marks a text that an event repeats with a tab at its end.
+    if text.ends_with('\t') && metadata.origin == EventOrigin::Capture {
+        return;
+    }
+    let text = strip_ansi_escapes::strip_str(text);
+    let rank = rank_of(TOPIC) + RANKS / 2;
+    let lane = lanes.get((TEXTS, "", TEXTS), || Lane { rank, ..Lane::new(TEXTS, TEXTS, LaneKind::Event) });
+    if let Some(lane) = lane {
+        // The levels of syslog are those of events.
+        let severity = severity(LogLevel::external(level));
+        lanes.event(lane, time, Value::new(vec![Part::new(text, None)], severity));
     }
 }
 
