@@ -35,7 +35,8 @@ pub use self::label::{Item, Label, Texts};
 use self::lane::Lanes;
 pub use self::lane::{Change, Lane, LaneKind, Part, Severity, Value};
 pub use self::px4::{
-    Flight, Overview, Refusal, flags, number, reply_events, required_flags, state_value, text, topic_name,
+    Flight, Overview, Refusal, Refused, flags, number, refused_modes, reply_events, required_flags,
+    state_value, text, topic_name,
 };
 use self::px4::{Px4, TOPICS};
 use self::session::{Session, TYPES};

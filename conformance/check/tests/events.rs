@@ -44,7 +44,7 @@ fn events_of(log: &Path) -> Vec<Value> {
                 let facts = decoded_event(&decoded);
                 event.as_object_mut().expect("an object").extend(facts);
                 let before = reports.latest().cloned().unwrap_or_default();
-                if reports.follow(&decoded) == Step::Complete {
+                if reports.follow(&raw, Some(&decoded)) == Step::Complete {
                     event["report"] = report(reports.latest().expect("a report"), &before, events);
                 }
             }

@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use uavspec_dynamic::event::{DecodedEvent, EventValue};
 use uavspec_schema::{EventEnum, EventKind};
 
+use crate::event::RawEvent;
 use crate::limits::{MAX_CHUNKS, MAX_PROBLEMS};
 
 /// A report. The modes, components and problems of all chunks are combined.
@@ -96,6 +97,12 @@ pub struct Reports {
     /// The latest report of each chunk.
     chunks: BTreeMap<u8, Report>,
     latest: Option<Report>,
+    /// The number of the latest event.
+    number: Option<u16>,
+    /// True if a report has begun since events were lost.
+    has_begun: bool,
+    /// True if an event is unknown since the latest report has begun.
+    has_unknown: bool,
 }
 
 impl Reports {
@@ -104,28 +111,43 @@ impl Reports {
         self.latest.as_ref()
     }
 
-    /// True if all reports so far had the same chunk, so that no part of the latest one is from an earlier report.
-    pub fn has_one_chunk(&self) -> bool {
-        self.chunks.len() == 1
+    /// The latest complete report, if all of its events are known, and no part of it is from an earlier report.
+    pub fn known(&self) -> Option<&Report> {
+        self.latest().filter(|_| !self.has_unknown && self.chunks.len() == 1)
     }
 
-    /// Forgets the report that has begun, because events may be missing.
-    pub fn interrupt(&mut self) {
-        self.open = None;
-    }
-
-    /// Follows an event.
-    pub fn follow(&mut self, event: &DecodedEvent<'_>) -> Step {
-        match (event.event.group.as_str(), event.event.kind) {
+    /// Follows an event, which is `None` if it is unknown. Where events are missing, the report that has begun is
+    /// forgotten. An event that is recorded twice is skipped.
+    pub fn follow(&mut self, raw: &RawEvent, event: Option<&DecodedEvent<'_>>) -> Step {
+        let before = std::mem::replace(&mut self.number, raw.sequence);
+        match before.zip(raw.sequence).map(|(before, number)| number.wrapping_sub(before)) {
+            Some(0) => return Step::Unrelated,
+            Some(1) | None => {}
+            Some(_) => (self.open, self.has_begun) = (None, false),
+        }
+        let Some(event) = event else {
+            self.has_unknown = true;
+            return Step::Unrelated;
+        };
+        let step = match (event.event.group.as_str(), event.event.kind) {
             ("arming_check", EventKind::Summary) => self.start(event),
             ("health", EventKind::Summary) => self.end(event),
             _ if event.event.is_check() => self.problem(event),
             _ => Step::Unrelated,
+        };
+        match step {
+            // The capture may start within a report.
+            Step::Unexpected(_) if !self.has_begun => Step::Unrelated,
+            step => {
+                self.has_begun |= step == Step::Open;
+                step
+            }
         }
     }
 
     fn start(&mut self, event: &DecodedEvent<'_>) -> Step {
         let was_open = self.open.take().is_some();
+        self.has_unknown = false;
         let [chunk, error, warning, can_arm, can_run] = [0, 1, 2, 3, 4].map(|index| bits(event, index));
         let (Some(chunk), Some(error), Some(warning), Some(can_arm), Some(can_run)) =
             (chunk, error, warning, can_arm, can_run)

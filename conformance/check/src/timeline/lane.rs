@@ -104,6 +104,12 @@ impl Part {
     pub(super) fn new(name: impl Into<String>, label: Option<Label>) -> Self {
         Self { name: shortened(&name.into()), label }
     }
+
+    /// True if a text is the name or the label in English, if case is ignored.
+    pub fn is_named(&self, text: &str) -> bool {
+        let is_same = |known: &str| known.eq_ignore_ascii_case(text);
+        is_same(&self.name) || self.label.as_ref().is_some_and(|label| is_same(&label.text))
+    }
 }
 
 impl Value {

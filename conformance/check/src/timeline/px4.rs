@@ -19,7 +19,7 @@ use uavspec_schema::{Form, MessageId};
 pub use self::arming::{reply_events, text};
 pub(super) use self::events::logged_text;
 use self::flights::Flights;
-pub use self::flights::{Flight, Overview, Refusal};
+pub use self::flights::{Flight, Overview, Refusal, Refused, refused_modes};
 use self::requirements::Requirements;
 pub use self::requirements::required_flags;
 use super::context::Context;

@@ -22,9 +22,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::Duration;
 
-use uavspec_check::timeline::{Part, Texts, number, state_value, topic_name};
+use uavspec_check::timeline::{Part, Refused, Texts, number, refused_modes, state_value, topic_name};
 use uavspec_dynamic::DynamicView;
 use uavspec_model::{Channel, Message};
+use uavspec_px4::checks::{Reports, Step};
+use uavspec_px4::event::RawEvent;
 use uavspec_rules::definitions::{Definitions, EventMetadata};
 use uavspec_rules::px4::Interest;
 use uavspec_schema::MessageId;
@@ -36,7 +38,7 @@ use super::rate::Rate;
 use crate::limits::MAX_CHANNELS;
 
 /// The topics that the display needs.
-pub(crate) const TOPICS: [&str; 7] = [
+pub(crate) const TOPICS: [&str; 8] = [
     "vehicle_status",
     "failsafe_flags",
     "battery_status",
@@ -44,6 +46,7 @@ pub(crate) const TOPICS: [&str; 7] = [
     "arming_check_reply",
     "register_ext_component_reply",
     "unregister_ext_component",
+    "event",
 ];
 
 /// The definitions of a message, with their texts.
@@ -70,7 +73,11 @@ pub struct Vehicle {
     pub batteries: BTreeMap<i128, Battery>,
     /// The external components.
     pub components: Components,
-    /// What the events of components mean.
+    /// The health and arming reports.
+    reports: Reports,
+    /// The modes in which the vehicle can't arm. `None` if there is no report yet.
+    pub refused: Option<Vec<Refused>>,
+    /// What events mean.
     pub(crate) metadata: Arc<EventMetadata>,
     /// The number of messages.
     pub messages: u64,
@@ -184,8 +191,22 @@ impl Vehicle {
             "arming_check_reply" => self.components.reply(values, time, (&self.metadata, texts)),
             "register_ext_component_reply" => self.components.registered(values),
             "unregister_ext_component" => self.components.unregistered(values),
+            "event" => self.event(values, texts),
             _ => false,
         }
+    }
+
+    /// Takes an event. Returns true if it completes a report that changes the displayed state.
+    fn event(&mut self, values: DynamicView<'_>, texts: &Texts) -> bool {
+        let Some(raw) = RawEvent::read(values) else { return false };
+        let event = raw.decode(self.metadata.events()).ok();
+        if self.reports.follow(&raw, event.as_ref()) != Step::Complete {
+            return false;
+        }
+        let refused = self.reports.latest().map(|report| refused_modes(report, &self.metadata, texts));
+        let is_changed = refused != self.refused;
+        self.refused = refused;
+        is_changed
     }
 
     fn count(&mut self, time: u64) {
@@ -200,6 +221,7 @@ impl Vehicle {
         let has_components = self.components.has_request || !self.components.all.is_empty();
         has_components
             || !self.flags.is_empty()
+            || self.refused.is_some()
             || !self.batteries.is_empty()
             || self.status != Status::default()
     }

@@ -30,7 +30,7 @@ pub struct WhyNotArm {
 impl WhyNotArm {
     /// The mode in the question, if no report states it.
     pub fn unknown_mode(&self, overview: &Overview) -> Option<&str> {
-        self.mode.as_deref().filter(|mode| !overview.modes.iter().any(|known| is_named(known, mode)))
+        self.mode.as_deref().filter(|mode| !overview.modes.iter().any(|known| known.is_named(mode)))
     }
 
     /// The refusals that answer the question.
@@ -40,7 +40,7 @@ impl WhyNotArm {
             self.time_us.is_none_or(|time| refusal.from_us <= time && time < until)
         };
         let is_of = |refusal: &Refusal| match &self.mode {
-            Some(mode) => is_named(&refusal.mode, mode),
+            Some(mode) => refusal.mode.is_named(mode),
             None => refusal.is_selected,
         };
         overview.refusals.iter().filter(|refusal| is_at(refusal) && is_of(refusal)).collect()
@@ -54,12 +54,6 @@ impl WhyNotArm {
         }
         refusals.into_iter().map(|found| refusal(found, language) + "\n").collect()
     }
-}
-
-/// True if a text is the name or the label of a mode, if case is ignored.
-fn is_named(mode: &Part, text: &str) -> bool {
-    let is_same = |known: &str| known.eq_ignore_ascii_case(text);
-    is_same(&mode.name) || mode.label.as_ref().is_some_and(|label| is_same(&label.text))
 }
 
 fn refusal(refusal: &Refusal, language: &str) -> String {

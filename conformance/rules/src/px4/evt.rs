@@ -3,10 +3,9 @@
 //! These rules are checked with the event metadata of the capture, or with a file that the user names. The events that
 //! uavspec knows are those of one release, so another firmware may use their ids with other arguments.
 
-use uavspec_dynamic::event::{DecodedEvent, Events};
-use uavspec_px4::checks::{Report, Reports, Step};
+use uavspec_dynamic::event::Events;
+use uavspec_px4::checks::{Reports, Step};
 use uavspec_px4::event::{EventOrigin, RawEvent};
-use uavspec_schema::EventKind;
 
 use super::ext::{is_reply, px4_message};
 use super::prelude::*;
@@ -46,61 +45,12 @@ impl Checker for Each {
     }
 }
 
-/// The events of a channel, as a sequence. Events may be missing at its start, and wherever the capture lost some.
-#[derive(Clone, Default)]
-pub(super) struct Sequence {
-    previous: Option<u16>,
-    /// True if a report has begun since events were lost.
-    has_report: bool,
-    /// True if an event of the latest report is unknown.
-    is_partly_unknown: bool,
-    reports: Reports,
-}
-
-impl Sequence {
-    /// Follows an event. An event that is recorded twice is skipped.
-    pub(super) fn follow(&mut self, raw: &RawEvent, events: &Events) -> Step {
-        let (Some(number), previous) = (raw.sequence, self.previous) else { return Step::Unrelated };
-        self.previous = Some(number);
-        match previous.map(|previous| number.wrapping_sub(previous)) {
-            Some(0) => return Step::Unrelated,
-            Some(1) => {}
-            _ => {
-                self.reports.interrupt();
-                (self.has_report, self.is_partly_unknown) = (false, false);
-            }
-        }
-        let Ok(event) = raw.decode(events) else {
-            self.is_partly_unknown = true;
-            return Step::Unrelated;
-        };
-        self.follow_known(&event)
-    }
-
-    fn follow_known(&mut self, event: &DecodedEvent<'_>) -> Step {
-        let is_start = event.event.kind == EventKind::Summary && event.event.group == "arming_check";
-        self.is_partly_unknown &= !is_start;
-        match self.reports.follow(event) {
-            Step::Unexpected(_) if !self.has_report => Step::Unrelated,
-            step => {
-                self.has_report |= step == Step::Open;
-                step
-            }
-        }
-    }
-
-    /// The latest report, if it is one chunk, and all of its events are known.
-    pub(super) fn report(&self) -> Option<&Report> {
-        self.reports.latest().filter(|_| !self.is_partly_unknown && self.reports.has_one_chunk())
-    }
-}
-
 /// Judges the next step of a report. Returns the violation, if the step is one.
-type Judge = fn(&Step, &Sequence, &mut RuleContext<'_>) -> Option<Detail>;
+type Judge = fn(&Step, &Reports, &mut RuleContext<'_>) -> Option<Detail>;
 
 /// A rule on the reports of a channel.
 pub(super) struct Follow {
-    channels: PerChannel<Sequence>,
+    channels: PerChannel<Reports>,
     judge: Judge,
 }
 
@@ -112,15 +62,15 @@ impl Follow {
 
 impl Checker for Follow {
     fn opened(&mut self, channel: &Channel<'_>, context: &mut RuleContext<'_>) -> Interest {
-        self.channels.open(channel, Sequence::default());
+        self.channels.open(channel, Reports::default());
         if is_event(channel, context) { Interest::Values } else { Interest::Nothing }
     }
 
     fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, context: &mut RuleContext<'_>) {
-        let (Some(events), Some(sequence)) = (events(context), self.channels.get(channel)) else { return };
+        let (Some(events), Some(reports)) = (events(context), self.channels.get(channel)) else { return };
         let Some(event) = message.values.and_then(RawEvent::read) else { return };
-        let step = sequence.follow(&event, events);
-        if let Some(detail) = (self.judge)(&step, sequence, context) {
+        let step = reports.follow(&event, event.decode(events).ok().as_ref());
+        if let Some(detail) = (self.judge)(&step, reports, context) {
             context.violation_in_field(channel, "id", message.location, || detail);
         }
     }

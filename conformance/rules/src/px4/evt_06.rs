@@ -1,8 +1,8 @@
 //! `PX-EVT-06`.
 
-use uavspec_px4::checks::Step;
+use uavspec_px4::checks::{Reports, Step};
 
-use super::evt::{Follow, Sequence};
+use super::evt::Follow;
 use super::prelude::*;
 
 pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
@@ -30,7 +30,7 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
     })
 })]);
 
-fn order(step: &Step, _: &Sequence, context: &mut RuleContext<'_>) -> Option<Detail> {
+fn order(step: &Step, _: &Reports, context: &mut RuleContext<'_>) -> Option<Detail> {
     if *step != Step::Unrelated {
         context.covered();
     }

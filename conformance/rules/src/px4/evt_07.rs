@@ -1,8 +1,8 @@
 //! `PX-EVT-07`.
 
-use uavspec_px4::checks::{Report, Step};
+use uavspec_px4::checks::{Report, Reports, Step};
 
-use super::evt::{Follow, Sequence};
+use super::evt::Follow;
 use super::prelude::*;
 
 pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
@@ -31,8 +31,8 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
     }),
 ]);
 
-fn reasons(step: &Step, sequence: &Sequence, context: &mut RuleContext<'_>) -> Option<Detail> {
-    let report = sequence.report().filter(|_| *step == Step::Complete)?;
+fn reasons(step: &Step, reports: &Reports, context: &mut RuleContext<'_>) -> Option<Detail> {
+    let report = reports.known().filter(|_| *step == Step::Complete)?;
     context.covered();
     let text = unexplained(report)?;
     Some(Detail::new(text).expected("an event that gives the reason"))

@@ -19,7 +19,7 @@ use uavspec_live::watch::screen::{Pages, Step};
 use uavspec_live::watch::vehicle::playback::{Kind, Playback, Watcher};
 use uavspec_live::watch::vehicle::source::{replay, watch_live};
 use uavspec_live::watch::view::Theme;
-use uavspec_live::watch::view::vehicle::{Scene, draw, text};
+use uavspec_live::watch::view::vehicle::{Scene, draw, text, why_not_arm};
 use uavspec_model::clock::Clock;
 use uavspec_model::text::terminal;
 use uavspec_rules::definitions::Library;
@@ -52,6 +52,14 @@ pub(super) struct VehicleArgs {
     /// Language of the labels, such as uk (default: en).
     #[arg(long, value_name = "LANGUAGE")]
     language: Option<String>,
+    /// Print only why the vehicle can't arm, and exit.
+    ///
+    /// The answer is in the health and arming reports on the topic `event`.
+    #[arg(long)]
+    why_not_arm: bool,
+    /// Mode of the question, such as posctl (default: all modes).
+    #[arg(long, value_name = "NAME", requires = "why_not_arm")]
+    mode: Option<String>,
     /// IP address of a computer that multicast doesn't reach (DDS, repeatable).
     #[arg(long, value_name = "ADDRESS")]
     peer: Vec<IpAddr>,
@@ -64,6 +72,7 @@ impl VehicleArgs {
             ("--definitions", self.definitions.is_some()),
             ("--events", self.events.events.is_some()),
             ("--language", self.language.is_some()),
+            ("--why-not-arm", self.why_not_arm),
             ("--peer", !self.peer.is_empty()),
         ])
     }
@@ -107,7 +116,7 @@ fn show_or_print(args: &WatchArgs, playback: &Playback, labels: &Labels) -> Exit
     playback.wait_for_start().map_err(|problem| failed(labels, &problem))?;
     if is_once(args) {
         clock.sleep_until(started + args.time.unwrap_or(TIME));
-        return print_once(playback, labels);
+        return print_once(args, playback, labels);
     }
     show_vehicle(playback, labels)
 }
@@ -134,7 +143,7 @@ pub(super) fn watch_capture(args: &WatchArgs, path: &Path) -> Exit {
     });
     if is_once {
         playback.wait_for_start().map_err(|problem| failed(&labels, &problem))?;
-        return print_once(&playback, &labels);
+        return print_once(args, &playback, &labels);
     }
     show_vehicle(&playback, &labels)
 }
@@ -149,7 +158,7 @@ fn prepare(args: &WatchArgs, source: String) -> Result<(Library, Texts, Labels),
 }
 
 fn is_once(args: &WatchArgs) -> bool {
-    args.once || !io::stdout().is_terminal()
+    args.once || args.vehicle.why_not_arm || !io::stdout().is_terminal()
 }
 
 fn failed(labels: &Labels, problem: &str) -> Status {
@@ -158,7 +167,8 @@ fn failed(labels: &Labels, problem: &str) -> Status {
 }
 
 /// Prints the state as text.
-fn print_once(playback: &Playback, labels: &Labels) -> Exit {
+fn print_once(args: &WatchArgs, playback: &Playback, labels: &Labels) -> Exit {
+    let question = &args.vehicle;
     let (text, is_empty) = playback.show(|shown| {
         let scene = Scene {
             shown,
@@ -167,8 +177,16 @@ fn print_once(playback: &Playback, labels: &Labels) -> Exit {
             theme: Theme { is_coloured: false },
             now: Clock::real().now(),
         };
-        (text(&scene), !shown.vehicle.has_state())
+        let text = if question.why_not_arm {
+            why_not_arm(&scene, question.mode.as_deref())
+        } else {
+            Some(text(&scene))
+        };
+        (text, !shown.vehicle.has_state())
     });
+    let Some(text) = text else {
+        return Err(failed(labels, "no health and arming report was received on the topic `event`"));
+    };
     print_result(&text)?;
     if is_empty {
         return Err(failed(labels, "no message of the display's topics was received"));

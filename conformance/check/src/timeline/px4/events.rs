@@ -6,7 +6,7 @@ use uavspec_px4::checks::{Component, ModeGroup, Problem, Reports, Step};
 use uavspec_px4::event::{EventMetadata, EventOrigin, RawEvent};
 use uavspec_runtime::event::LogLevel;
 
-use super::flights::{Blocking, Flights};
+use super::flights::{Flights, refused_modes};
 use super::{RANKS, rank_of};
 use crate::timeline::context::Context;
 use crate::timeline::label::{Label, Texts};
@@ -28,8 +28,6 @@ pub(super) struct Events {
     reports: Reports,
     /// The problems of the latest report, each with its lane.
     problems: Vec<(Problem, usize)>,
-    /// The number of the latest event.
-    sequence: Option<u16>,
 }
 
 impl Events {
@@ -43,13 +41,8 @@ impl Events {
     ) {
         let lane = context.lane((TOPIC, subject, TOPIC), rank_of(TOPIC), LaneKind::Event);
         let Some(raw) = RawEvent::read(values) else { return };
-        let before = std::mem::replace(&mut self.sequence, raw.sequence);
-        if before.zip(raw.sequence).is_some_and(|(before, now)| now != before.wrapping_add(1)) {
-            // Events are missing.
-            self.reports.interrupt();
-        }
         let decoded = raw.decode(context.metadata.events()).ok();
-        let step = decoded.as_ref().map_or(Step::Unrelated, |event| self.reports.follow(event));
+        let step = self.reports.follow(&raw, decoded.as_ref());
         if step == Step::Complete {
             self.report(flights, context);
         }
@@ -92,11 +85,7 @@ impl Events {
                 self.problems.push((problem.clone(), lane));
             }
         }
-        let blocking = report.problems.iter().filter_map(|problem| {
-            let (name, message) = message(problem, context)?;
-            Some(Blocking { problem, part: Part::new(name, Some(message)) })
-        });
-        flights.report(report, &blocking.collect::<Vec<_>>(), context.time);
+        flights.report(report, refused_modes(report, context.metadata, context.texts), context.time);
         for (_, lane) in before {
             if self.problems.iter().all(|(_, current)| *current != lane) {
                 context.lanes.set_flag(lane, context.time, false);
@@ -166,11 +155,11 @@ fn state_of_component(component: &Component) -> (&'static str, Severity) {
 
 /// The lane of a problem.
 fn lane_of(problem: &Problem, context: &mut Context<'_>) -> Option<usize> {
-    let (name, message) = message(problem, context)?;
+    let Part { name, label } = part_of(problem, context.metadata, context.texts)?;
     // The same event with other arguments is another problem.
-    let key = format!("{name} {}", message.text);
+    let key = format!("{name} {}", label.as_ref().map_or("", |label| &label.text));
     let lane = context.lanes.get((TOPIC, "", &key), || Lane {
-        label: Some(message),
+        label,
         group: Label::plain(PROBLEMS),
         rank: rank_of(TOPIC) + 200,
         ..Lane::new(TOPIC, name, LaneKind::Flag)
@@ -181,10 +170,9 @@ fn lane_of(problem: &Problem, context: &mut Context<'_>) -> Option<usize> {
 }
 
 /// The name and the message of a problem.
-fn message(problem: &Problem, context: &Context<'_>) -> Option<(String, Label)> {
-    let decoded = DecodedEvent::new(context.metadata.events(), problem.id, problem.values.clone())?;
-    let name = full_name(&decoded);
-    Some((name, context.texts.event(&decoded, context.metadata)?))
+pub(super) fn part_of(problem: &Problem, metadata: &EventMetadata, texts: &Texts) -> Option<Part> {
+    let decoded = DecodedEvent::new(metadata.events(), problem.id, problem.values.clone())?;
+    Some(Part::new(full_name(&decoded), texts.event(&decoded, metadata)))
 }
 
 /// The name of an event, with its namespace.

@@ -8,10 +8,12 @@ use uavspec_dynamic::DynamicView;
 use uavspec_dynamic::event::DecodedEvent;
 use uavspec_model::Channel;
 use uavspec_px4::checks::{ModeGroup, Problem, Report};
+use uavspec_px4::event::EventMetadata;
 
+use super::events::part_of;
 use super::number;
 use crate::limits::{MAX_FLIGHTS, MAX_REFUSALS};
-use crate::timeline::label::Label;
+use crate::timeline::label::{Label, Texts};
 use crate::timeline::lane::Part;
 
 /// `vehicle_status.arming_state` of an armed vehicle, in all releases.
@@ -83,10 +85,15 @@ pub(in crate::timeline) struct Flights {
     reasons: [Option<(u64, Part)>; 2],
 }
 
-/// A problem in a report, for the summary.
-pub(super) struct Blocking<'p> {
-    pub(super) problem: &'p Problem,
-    pub(super) part: Part,
+/// A mode in which the vehicle can't arm, according to a report.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Refused {
+    /// The number of the mode.
+    pub number: u32,
+    /// The mode.
+    pub mode: Part,
+    /// The reasons.
+    pub reasons: Vec<Part>,
 }
 
 /// A time for an [`Overview`], which is later made relative to the start.
@@ -170,33 +177,27 @@ impl Flights {
     }
 
     /// Takes the reasons against arming from a report.
-    pub(super) fn report(&mut self, report: &Report, problems: &[Blocking<'_>], time: u64) {
+    pub(super) fn report(&mut self, report: &Report, refused: Vec<Refused>, time: u64) {
         if self.overview.modes.is_empty() {
             self.overview.modes = report.modes.values().map(part).collect();
         }
-        let is_refused = |bit: u32| report.modes.get(&bit).is_some_and(|mode| !mode.can_arm);
-        self.end_refusals(time, |bit| !is_refused(bit));
+        self.end_refusals(time, |bit| refused.iter().all(|refused| refused.number != bit));
         if self.is_armed == Some(true) {
             return;
         }
         let selected = self.mode.and_then(|mode| u32::try_from(mode).ok());
-        for (bit, mode) in report.modes.iter().filter(|(_, mode)| !mode.can_arm) {
+        for Refused { number, mode, reasons } in refused {
             let refusals = &mut self.overview.refusals;
-            let index = *self.open.entry(*bit).or_insert(refusals.len());
+            let index = *self.open.entry(number).or_insert(refusals.len());
             if index == refusals.len() && index < MAX_REFUSALS {
-                refusals.push(Refusal {
-                    mode: part(mode),
-                    is_selected: false,
-                    from_us: instant(time),
-                    until_us: None,
-                    reasons: Vec::new(),
-                });
+                let (from_us, reasons) = (instant(time), Vec::new());
+                refusals.push(Refusal { mode, is_selected: false, from_us, until_us: None, reasons });
             }
             let Some(open) = refusals.get_mut(index) else { continue };
-            open.is_selected |= selected == Some(*bit);
-            for part in reasons(problems, *bit) {
-                if !open.reasons.contains(part) {
-                    open.reasons.push(part.clone());
+            open.is_selected |= selected == Some(number);
+            for part in reasons {
+                if !open.reasons.contains(&part) {
+                    open.reasons.push(part);
                 }
             }
         }
@@ -237,12 +238,16 @@ fn part(mode: &ModeGroup) -> Part {
     Part::new(mode.name.clone(), Label::plain(&mode.description))
 }
 
-/// The problems that prevent arming in a mode. PX4 reports a problem that prevents nothing for all modes, so such problems
-/// count only if there are no others.
-fn reasons<'p>(problems: &'p [Blocking<'_>], bit: u32) -> impl Iterator<Item = &'p Part> {
-    let affects = move |blocking: &&Blocking<'_>| blocking.problem.modes & 1 << bit != 0;
-    let is_general = |blocking: &Blocking<'_>| blocking.problem.modes >= u64::from(u32::MAX);
-    let has_specific = problems.iter().filter(affects).any(|blocking| !is_general(blocking));
-    let all = problems.iter().filter(affects).filter(move |blocking| !has_specific || !is_general(blocking));
-    all.map(|blocking| &blocking.part)
+/// The modes in which the vehicle can't arm. PX4 reports a problem that prevents nothing for all modes, so such problems
+/// are reasons only if there are no others.
+pub fn refused_modes(report: &Report, metadata: &EventMetadata, texts: &Texts) -> Vec<Refused> {
+    let refused = report.modes.iter().filter(|(_, mode)| !mode.can_arm).map(|(bit, mode)| {
+        let problems = || report.problems.iter().filter(|problem| problem.modes & 1 << bit != 0);
+        let is_general = |problem: &Problem| problem.modes >= u64::from(u32::MAX);
+        let has_specific = problems().any(|problem| !is_general(problem));
+        let reasons = problems().filter(|problem| !has_specific || !is_general(problem));
+        let reasons = reasons.filter_map(|problem| part_of(problem, metadata, texts)).collect();
+        Refused { number: *bit, mode: part(mode), reasons }
+    });
+    refused.collect()
 }

@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use ratatui::Frame;
 use ratatui::text::Line;
+use uavspec_check::timeline::Refused;
 
 use super::theme::Theme;
 use super::{GAP, draw_columns, draw_frame, foot};
@@ -83,11 +84,11 @@ fn columns(scene: &Scene<'_>, filter: &str, width: u16) -> Vec<Vec<Line<'static>
     let (set, clear) =
         (sections::set_flags(scene, filter, width), sections::clear_flags(scene, filter, width));
     let (modes, batteries) = (sections::modes(scene, width), sections::batteries(scene, width));
-    let components = sections::components(scene, width);
+    let (refusals, components) = (sections::refusals(scene, width), sections::components(scene, width));
     if is_wide {
-        vec![[set, modes].concat(), [batteries, components, clear].concat()]
+        vec![[refusals, set, modes].concat(), [batteries, components, clear].concat()]
     } else {
-        vec![[set, components, batteries, modes, clear].concat()]
+        vec![[refusals, set, components, batteries, modes, clear].concat()]
     }
 }
 
@@ -99,6 +100,15 @@ pub fn text(scene: &Scene<'_>) -> String {
     });
     let lines = columns(scene, "", TEXT_WIDTH).concat();
     head.chain(lines.into_iter().map(|line| line.to_string().trim_end().to_owned() + "\n")).collect()
+}
+
+/// Why the vehicle can't arm in a mode, or in any mode. `None` if there is no report yet.
+pub fn why_not_arm(scene: &Scene<'_>, mode: Option<&str>) -> Option<String> {
+    let refused = scene.shown.vehicle.refused.as_deref()?;
+    let is_asked = |refused: &&Refused| mode.is_none_or(|mode| refused.mode.is_named(mode));
+    let texts = sections::refused_texts(scene, refused.iter().filter(is_asked));
+    let nothing = || "Nothing prevents arming.\n".to_owned();
+    Some(if texts.is_empty() { nothing() } else { texts.join("\n") + "\n" })
 }
 
 #[cfg(test)]

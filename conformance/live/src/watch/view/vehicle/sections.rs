@@ -2,7 +2,7 @@
 
 use ratatui::style::Style;
 use ratatui::text::{Line, Span};
-use uavspec_check::timeline::{Label, Part, Severity, Value};
+use uavspec_check::timeline::{Label, Part, Refused, Severity, Value};
 use uavspec_model::text::{plural, shown};
 
 use super::Scene;
@@ -99,6 +99,41 @@ fn label(scene: &Scene<'_>, known: &Known) -> String {
 
 fn in_language(scene: &Scene<'_>, label: &Label) -> String {
     shown(label.in_language(scene.language))
+}
+
+/// The modes in which the vehicle can't arm, with the reasons in its reports; the current mode comes first.
+pub(super) fn refusals(scene: &Scene<'_>, width: usize) -> Lines {
+    let refused = scene.shown.vehicle.refused.as_deref().unwrap_or_default();
+    if refused.is_empty() {
+        return Vec::new();
+    }
+    let mut lines = title(scene.theme, "MODES THAT CAN'T ARM", &refused.len().to_string());
+    let texts = refused_texts(scene, refused.iter());
+    lines.extend(texts.iter().flat_map(|text| wrapped(text, width)).map(Line::raw));
+    lines
+}
+
+/// Modes with their reasons. Modes with the same reasons share a text.
+pub(super) fn refused_texts<'r>(
+    scene: &Scene<'_>,
+    refused: impl Iterator<Item = &'r Refused>,
+) -> Vec<String> {
+    let mut refused: Vec<&Refused> = refused.collect();
+    refused.sort_by_key(|refused| scene.shown.vehicle.status.mode != Some(refused.number.into()));
+    let mut groups: Vec<(&[Part], Vec<String>)> = Vec::new();
+    for Refused { mode, reasons, .. } in refused {
+        let name = part_text(scene, mode);
+        match groups.iter_mut().find(|(known, _)| known == reasons) {
+            Some((_, names)) => names.push(name),
+            None => groups.push((reasons, vec![name])),
+        }
+    }
+    let text = |(reasons, names): &(&[Part], Vec<String>)| {
+        let reasons: Vec<String> = reasons.iter().map(|reason| part_text(scene, reason)).collect();
+        let reasons = if reasons.is_empty() { "no reason given".to_owned() } else { reasons.join("; ") };
+        format!("{}: {reasons}", names.join(", "))
+    };
+    groups.iter().map(text).collect()
 }
 
 /// The modes whose requirements aren't met.
