@@ -23,7 +23,7 @@ const TITLE: &str = "Rules of check, test and probe";
 pub const CONTENTS: &str = "conformance/contents.md";
 
 /// The topics, and the families of their rules: the first parts of the ids.
-const TOPICS: [(&str, &[&str]); 14] = [
+const TOPICS: [(&str, &[&str]); 15] = [
     ("Message envelope", &["FW-ENV"]),
     ("Acknowledgments and login", &["FW-ACK", "FW-AUTH"]),
     ("Long operations", &["FW-ASY"]),
@@ -40,6 +40,7 @@ const TOPICS: [(&str, &[&str]); 14] = [
     ),
     ("PX4 formats and records", &["PX-CDR", "PX-DATA", "PX-FMT", "PX-HASH", "PX-VER"]),
     ("PX4 message sequences", &["PX-EXT", "PX-QUEUE", "PX-TIME"]),
+    ("PX4 events", &["PX-EVT"]),
     ("PX4 publishers and subscribers", &["PX-QOS", "PX-TYPE"]),
 ];
 

@@ -86,9 +86,9 @@ fn columns(scene: &Scene<'_>, filter: &str, width: u16) -> Vec<Vec<Line<'static>
     let (modes, batteries) = (sections::modes(scene, width), sections::batteries(scene, width));
     let (refusals, components) = (sections::refusals(scene, width), sections::components(scene, width));
     if is_wide {
-        vec![[refusals, set, modes].concat(), [batteries, components, clear].concat()]
+        vec![[set, refusals, modes].concat(), [batteries, components, clear].concat()]
     } else {
-        vec![[refusals, set, components, batteries, modes, clear].concat()]
+        vec![[set, components, batteries, refusals, modes, clear].concat()]
     }
 }
 

@@ -85,11 +85,11 @@ fn medium_screens_show_one_column() {
             "          00 ab",
             "BATTERY",
             "battery 1 18%  14.3 V  Low voltage",
-            "MODES THAT CAN'T RUN  5",
-            "POSCTL, AUTO_LOITER: No valid local position",
-            "AUTO_MISSION: No valid local position; Home position not set",
-            "AUTO_RTL: Home position not set",
-            "Precision landing: External mode not ready",
+            "MODES THAT CAN'T ARM  23",
+            "Position, Manual, Altitude, Mission, Hold, Return, Acro, Offboard, Stabilized,",
+            "Takeoff, Land, Follow Me, Precision Land, Orbit, VTOL Takeoff, External 1,",
+            "External 2, External 3, External 4, External 5, External 6, External 7, External",
+            "8: The global position is unknown",
             "q quit  p pause  . step  / filter  ? help  ↑↓ scroll",
         ]
     );
@@ -120,9 +120,9 @@ fn wide_screens_show_two_columns() {
                 "warning   Most severe battery warning: Low voltage  battery_warning",
                 "          4, arguments 00 ab",
             ),
-            ("MODES THAT CAN'T RUN  5", "FLAGS THAT AREN'T SET"),
+            ("MODES THAT CAN'T ARM  23", "FLAGS THAT AREN'T SET"),
             (
-                "POSCTL, AUTO_LOITER: No valid local position",
+                "Position, Manual, Altitude, Mission, Hold, Return, Acro, Offboard,",
                 "Mode requirements: No valid angular velocity; No valid attitude; No",
             ),
         ]
