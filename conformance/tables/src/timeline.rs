@@ -24,7 +24,7 @@ pub(super) static TABLE: Table<TimelineRow> = Table {
             "The instance, component, UAV or connection, if there can be several.",
             |row| row.subject.as_deref(),
         ),
-        Column::text("kind", "The kind: `flag`, `state` or `event`.", |row| Some(row.kind)),
+        Column::text("kind", "The kind: `flag`, `state`, `check` or `event`.", |row| Some(row.kind)),
         Column::text("value", "The new value: `set` or `cleared` for a flag, otherwise its names.", |row| {
             Some(&row.value)
         }),
@@ -70,6 +70,7 @@ impl TimelineRow {
             LaneKind::Flag => ("flag", lane.label.iter().collect()),
             LaneKind::State => ("state", labels(&value.parts)),
             LaneKind::Event => ("event", labels(&value.parts)),
+            LaneKind::Check => ("check", labels(&value.parts)),
         };
         let texts: Vec<&str> = labels.into_iter().map(|label| label.text.as_str()).collect();
         let names: Vec<&str> = value.parts.iter().map(|part| part.name.as_str()).collect();
