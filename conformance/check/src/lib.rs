@@ -225,6 +225,8 @@ pub struct CaptureResult {
     pub clock: Clock,
     /// The topics or types, and the extent to which they were checked.
     pub coverage: Coverage,
+    /// The event metadata that explains the events, if there are any.
+    pub event_metadata: Option<String>,
     /// All violations.
     pub findings: Findings,
 }
@@ -246,6 +248,7 @@ impl CaptureResult {
             extent: Extent::Unreadable,
             clock: Clock::default(),
             coverage: Parts::default().finish(Unit::default(), 0),
+            event_metadata: None,
             findings: Findings::default(),
         }
     }

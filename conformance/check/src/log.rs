@@ -337,7 +337,7 @@ impl<'d> LogChecker<'d> {
             }
             Event::MultiInformation { key: Metadata::KEY, value, .. } => self.metadata.add(value, location),
             Event::Information { key: Metadata::DIGEST, value, .. } => {
-                self.metadata.digest = Some(value.to_vec())
+                self.metadata.digest = Some(value.to_vec());
             }
             Event::Subscription { .. } => self.read_metadata(),
             Event::Logging { level, timestamp, text, .. } => {

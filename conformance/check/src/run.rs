@@ -19,6 +19,7 @@ use uavspec_schema::source::Span;
 
 use super::coverage::Parts;
 use super::flockwave::{Listeners, Report};
+use super::timeline::{REPLY, contains_events, topic_name};
 use super::{CaptureResult, Clock, Observer, Summary, Unit};
 use crate::limits::{MAX_CORRUPT_PARTS, MAX_NOTES};
 
@@ -54,6 +55,8 @@ pub(super) struct CheckRun<'d> {
     pub(super) logged: Option<Logged>,
     /// What the events of the capture mean.
     events: Arc<EventMetadata>,
+    /// True if a message contained events.
+    has_events: bool,
 }
 
 /// The facts that a bag states about a message.
@@ -88,6 +91,8 @@ struct Subscribers {
     interest: Interest,
     /// The interest of the observer.
     observed: Interest,
+    /// The topic of the timeline that the channel carries.
+    topic: Option<&'static str>,
 }
 
 impl Follower {
@@ -131,6 +136,7 @@ impl<'d> CheckRun<'d> {
             record_time: None,
             logged: None,
             events: Arc::clone(&definitions.events),
+            has_events: false,
         }
     }
 
@@ -169,7 +175,10 @@ impl<'d> CheckRun<'d> {
     }
 
     pub(super) fn opened(&mut self, channel: &Channel<'_>) {
-        let mut subscribers = Subscribers::default();
+        let topic = topic_name(channel, self.definitions);
+        // Only the values of a reply show whether it contains events.
+        let interest = if topic == Some(REPLY) { Interest::Values } else { Interest::Nothing };
+        let mut subscribers = Subscribers { interest, topic, ..Subscribers::default() };
         for (at, follower) in self.followers.iter_mut().enumerate() {
             let (checker, mut context) = follower.parts(self.definitions, &self.events, &mut self.findings);
             let interest = checker.opened(channel, &mut context);
@@ -227,7 +236,10 @@ impl<'d> CheckRun<'d> {
         if self.record_time.unwrap_or_default() == 0 {
             self.include_timestamp(message.timestamp);
         }
-        for at in &self.channels[channel.index].followers {
+        let subscribers = &self.channels[channel.index];
+        self.has_events |=
+            subscribers.topic.is_some_and(|topic| contains_events(topic, observed.or(message.values)));
+        for at in &subscribers.followers {
             let (checker, mut context) =
                 self.followers[*at].parts(self.definitions, &self.events, &mut self.findings);
             checker.message(channel, message, &mut context);
@@ -460,6 +472,7 @@ impl<'d> CheckRun<'d> {
             extent: self.extent,
             clock: self.clock,
             coverage: parts.finish(unit, self.records),
+            event_metadata: self.has_events.then(|| self.events.origin.to_string()),
             findings: self.findings,
         }
     }

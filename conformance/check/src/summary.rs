@@ -74,7 +74,7 @@ impl Totals {
 
 impl Line {
     /// A line without lists.
-    pub(crate) fn new(label: &'static str, text: impl Into<String>) -> Self {
+    pub fn new(label: &'static str, text: impl Into<String>) -> Self {
         Self { label, text: text.into(), lists: Vec::new(), details: Vec::new() }
     }
 

@@ -39,6 +39,7 @@ pub use self::px4::{
     state_value, text, topic_name,
 };
 use self::px4::{Px4, TOPICS};
+pub(crate) use self::px4::{REPLY, contains_events};
 use self::session::{Session, TYPES};
 use crate::{
     CaptureResult, Checked, Clock, Observer, Part as CheckedPart, PartResult, Reading, ReleaseMatch, Summary,
@@ -46,9 +47,6 @@ use crate::{
 
 /// The version of the JSON format.
 const VERSION: u32 = 1;
-
-/// The topics with events.
-const EVENT_TOPICS: [&str; 2] = ["event", "arming_check_reply"];
 
 /// The timeline of a capture.
 #[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
@@ -268,7 +266,6 @@ impl<'t> Follower<'t> {
         let corruption = corruption.map(|(location, text)| format!("{location}: {text}")).collect();
         let topics = self.topics(is_session, &result.coverage.parts);
         let values_without_lane = self.lanes.more;
-        let has_events = EVENT_TOPICS.iter().any(|topic| self.seen.contains(topic));
         let mut lanes = self.lanes.finish(start, end);
         px4::hide_only_channels(&mut lanes);
         Ok(Timeline {
@@ -276,7 +273,7 @@ impl<'t> Follower<'t> {
             uavspec: env!("CARGO_PKG_VERSION").to_owned(),
             capture,
             definitions: definitions.name.clone(),
-            event_metadata: has_events.then(|| self.metadata.origin.to_string()),
+            event_metadata: result.event_metadata.clone(),
             releases: result.summary.releases().to_vec(),
             start_utc: result.clock.utc(start),
             duration_us: end.saturating_sub(start),

@@ -1,17 +1,26 @@
-//! Events, compared with libevents' Python parser.
+//! Events, compared with libevents' Python parser, and the event metadata that explains them.
 
 use std::fs::{self, File};
 use std::io::BufReader;
 use std::path::Path;
 
 use serde_json::{Map, Value, json};
+use sha2::{Digest as _, Sha256};
+use tempfile::TempDir;
 use uavspec_capture::ulog::{Event, Log, Reader};
+use uavspec_check::{CaptureResult, check_bytes};
 use uavspec_dynamic::event::{DecodedEvent, EventValue, Events};
 use uavspec_px4::checks::{Report, Reports, Step};
-use uavspec_px4::event::{EventMetadata, RawEvent};
+use uavspec_px4::event::{EventMetadata, EventOrigin, RawEvent};
+use uavspec_rules::definitions::{Definitions, Library};
+use uavspec_rules::sample::Flight;
 use uavspec_runtime::event::{Argument, Profile};
 use uavspec_schema::EventKind;
-use uavspec_test_support::shared;
+use uavspec_test_support::{Writer, shared};
+
+/// Event metadata of a kite.
+const KITE: &str = r#"{"version": 2, "components": {"0": {"namespace": "common", "event_groups": {"default": {
+    "events": {"7": {"name": "kite_landed", "message": "The kite has landed"}}}}}}}"#;
 
 /// The events of a log, each decoded, as in the reference.
 fn events_of(log: &Path) -> Vec<Value> {
@@ -170,4 +179,66 @@ fn differences_to_the_references_are_known() {
         let shown = event.message(Profile::Normal);
         assert_eq!(shown, ours, "{text} is {python:?} in Python and {cpp:?} in C++");
     }
+}
+
+/// A log with an event. `information` follows the flag bits.
+fn log(information: impl FnOnce(&mut Writer)) -> Vec<u8> {
+    let mut log = Writer::with_flags();
+    information(&mut log);
+    log.format("event:uint64_t timestamp;uint32_t id;uint16_t event_sequence;uint8_t[25] arguments;uint8_t log_levels;");
+    log.subscribe(0, 0, "event");
+    let bytes = [&2_000_u64.to_le_bytes()[..], &7_u32.to_le_bytes(), &1_u16.to_le_bytes(), &[0; 25], &[0x66]];
+    log.data(0, &bytes.concat());
+    log.bytes
+}
+
+/// A log that contains its own event metadata, with this hash.
+fn log_with_metadata(hash: &str) -> Vec<u8> {
+    log(|log| {
+        let (first, rest) = KITE.split_at(100);
+        for (is_continued, piece) in [(0, first), (1, rest)] {
+            let key = format!("uint8_t[{}] metadata_events", piece.len());
+            log.entry(b'M', &[is_continued], &key, piece.as_bytes());
+        }
+        let key = format!("char[{}] metadata_events_sha256", hash.len());
+        log.entry(b'I', &[], &key, hash.as_bytes());
+    })
+}
+
+fn check(bytes: &[u8], library: &Library) -> CaptureResult {
+    check_bytes(bytes, library).expect("bytes can be read").result
+}
+
+#[test]
+fn a_result_names_the_event_metadata_that_explains_the_events() {
+    let folder = TempDir::new().expect("a folder");
+    let path = folder.path().join("kite.json");
+    fs::write(&path, KITE).expect("a file");
+    let (library, with_file) =
+        (Library::built_in(), Library::built_in().with_events(&path).expect("metadata"));
+    let hash: String = Sha256::digest(KITE).iter().map(|byte| format!("{byte:02x}")).collect();
+    let [capture, built_in] = [EventOrigin::Capture, EventOrigin::BuiltIn].map(|origin| origin.to_string());
+    let file = path.to_string_lossy();
+    for (log, library, expected, has_note) in [
+        (log_with_metadata(&hash), &library, &*capture, false),
+        (log_with_metadata(&hash), &with_file, &*capture, false),
+        (log_with_metadata(&hash.replace('0', "1")), &library, &*built_in, true),
+        (log(|_| {}), &library, &*built_in, false),
+        (log(|_| {}), &with_file, &*file, false),
+    ] {
+        let result = check(&log, library);
+        assert_eq!(result.event_metadata.as_deref(), Some(expected));
+        assert_eq!(!result.notes.is_empty(), has_note, "{:?}", result.notes);
+    }
+}
+
+#[test]
+fn a_reply_contains_events_if_it_counts_them() {
+    let definitions = Definitions::built_in();
+    let lines = String::from_utf8(Flight::new(&definitions).lines().to_bytes()).expect("text");
+    let reply = lines.lines().find(|line| line.contains("\"num_events\":2")).expect("a reply with events");
+    let without = reply.replace("\"num_events\":2", "\"num_events\":0");
+    let metadata = |line: &str| check(line.as_bytes(), &Library::built_in()).event_metadata;
+    assert_eq!(metadata(reply), Some(EventOrigin::BuiltIn.to_string()));
+    assert_eq!(metadata(&without), None);
 }

@@ -131,6 +131,7 @@ impl Subject {
             more_corruption: result.more_corruption,
             extent: result.extent,
             coverage: result.coverage,
+            event_metadata: result.event_metadata,
             incomplete: Vec::new(),
             cut_short,
             notes,

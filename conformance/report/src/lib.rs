@@ -57,7 +57,7 @@ pub mod timeline;
 mod totals;
 
 use serde::Serialize;
-use uavspec_check::{Coverage, Line, Summary};
+use uavspec_check::{Coverage, Describe, Line, Summary};
 pub use uavspec_model::Verdict;
 use uavspec_model::text::shown;
 use uavspec_model::{Excuse, Extent, Level, Location, Reason, Rule};
@@ -176,6 +176,9 @@ pub struct Subject {
     pub extent: Extent,
     /// The topics or types, and the extent to which they were checked.
     pub coverage: Coverage,
+    /// The event metadata that explains the events of a capture, if there are any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub event_metadata: Option<String>,
     /// The reasons why the subject wasn't read or checked completely.
     pub incomplete: Vec<String>,
     /// The reasons that are known apart from the extent and the coverage. They are part of `incomplete`.
@@ -424,6 +427,13 @@ impl Subject {
     /// The coverage, as lines for people.
     fn coverage_lines(&self) -> Vec<Line> {
         self.coverage.lines(if self.is_testee() { "case" } else { "record" })
+    }
+
+    /// The summary of a capture, as lines for people.
+    fn summary_lines(&self, summary: &dyn Describe) -> Vec<Line> {
+        let text = |metadata: &String| format!("explained by {}", shown(metadata));
+        let events = self.event_metadata.as_ref().map(|metadata| Line::new("events", text(metadata)));
+        summary.lines().into_iter().chain(events).collect()
     }
 
     /// The number of rules with this verdict.

@@ -196,6 +196,7 @@ impl Subject {
             more_corruption: 0,
             extent: Extent::Whole,
             coverage,
+            event_metadata: None,
             incomplete: Vec::new(),
             cut_short: Vec::new(),
             notes: Vec::new(),

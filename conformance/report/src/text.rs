@@ -85,7 +85,7 @@ fn capture(subject: &Subject, summary: &dyn Describe, text: &mut String) -> fmt:
     rules(subject, text)?;
     requests(&subject.requests, text)?;
     writeln!(text)?;
-    lines(&summary.lines(), text)?;
+    lines(&subject.summary_lines(summary), text)?;
     corruption(subject, text)?;
     labelled(PLAIN, "note", &subject.notes, text)?;
     labelled(PLAIN, "remark", &subject.outcome.remarks, text)?;

@@ -313,6 +313,9 @@ fn settings(args: &CheckArgs) -> Settings {
     if let Some(path) = &args.definitions {
         arguments.extend(["--definitions".to_owned(), path.to_string_lossy().into_owned()]);
     }
+    if let Some(path) = &args.events.events {
+        arguments.extend(["--events".to_owned(), path.to_string_lossy().into_owned()]);
+    }
     if let Some(dialect) = args.dialect {
         arguments.extend(["--dialect".to_owned(), dialect.name().to_owned()]);
     }

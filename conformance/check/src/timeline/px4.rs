@@ -16,6 +16,7 @@ use uavspec_schema::msg::Dialect;
 use uavspec_schema::value::Value as ConstantValue;
 use uavspec_schema::{Form, MessageId};
 
+pub(crate) use self::arming::{REPLY, contains_events};
 pub use self::arming::{reply_events, text};
 pub(super) use self::events::logged_text;
 use self::flights::Flights;

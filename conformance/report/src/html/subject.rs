@@ -92,7 +92,9 @@ pub(super) fn section(noun: &str, subject: &Subject, index: usize, is_single: bo
             }
             @for line in subject.coverage_lines().iter().filter(|line| is_shown(line)) { (summary_line(line)) }
             @match &subject.about {
-                About::Capture(summary) => { @for line in summary.describe().lines() { (summary_line(&line)) } },
+                About::Capture(summary) => {
+                    @for line in subject.summary_lines(summary.describe()) { (summary_line(&line)) }
+                },
                 About::Testee(testee) => (testee::section(testee)),
             }
             (corruption(subject))

@@ -50,6 +50,7 @@ fn capture(coverage: Coverage, verdicts: &[Verdict], settings: &Settings) -> Sub
         more_corruption: 0,
         extent: Extent::Whole,
         coverage,
+        event_metadata: None,
         incomplete: Vec::new(),
         cut_short: Vec::new(),
         notes: Vec::new(),

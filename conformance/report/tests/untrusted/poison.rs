@@ -81,6 +81,7 @@ fn subject(definitions: &Definitions) -> Subject {
     // The texts of most rules are not needed.
     subject.rules.retain(|rule| rule.findings > 0 || rule.id.starts_with("PX-RANGE"));
     subject.incomplete = vec![String::new(); 2];
+    subject.event_metadata = Some(String::new());
     let location = Location::Byte(7);
     subject.corruption = vec![Corruption { location, message: String::new() }; 2];
     assert!(subject.findings.len() > 1 && subject.findings[0].examples.len() > 1, "{:?}", subject.findings);
@@ -212,6 +213,7 @@ fn poison_subject(subject: &mut Subject, text: &str) {
         more_corruption: _,
         extent: _,
         coverage,
+        event_metadata,
         incomplete,
         cut_short,
         notes,
@@ -222,7 +224,7 @@ fn poison_subject(subject: &mut Subject, text: &str) {
     } = subject;
     set(path);
     outcome(of_subject, text);
-    [incomplete, cut_short, notes].into_iter().flatten().for_each(set);
+    [incomplete, cut_short, notes].into_iter().flatten().chain(event_metadata).for_each(set);
     for Corruption { location: _, message } in corruption {
         set(message);
     }

@@ -13,7 +13,8 @@ use crate::timeline::label::{Item, Label, Texts};
 use crate::timeline::lane::{LaneKind, Part, Severity, Value};
 
 const REQUEST: &str = "arming_check_request";
-const REPLY: &str = "arming_check_reply";
+/// The topic of the replies of external components.
+pub(crate) const REPLY: &str = "arming_check_reply";
 
 /// The verdict of a reply.
 const VERDICT: &str = "can_arm_and_run";
@@ -114,6 +115,12 @@ impl Arming {
             }
         }
     }
+}
+
+/// True if a message of a topic of the timeline contains events.
+pub(crate) fn contains_events(topic: &str, values: Option<DynamicView<'_>>) -> bool {
+    let has_event = |values| number(values, "num_events").is_some_and(|count| count > 0);
+    topic == events::TOPIC || topic == REPLY && values.is_some_and(has_event)
 }
 
 /// The events in a reply.

@@ -12,7 +12,7 @@ use crate::timeline::context::Context;
 use crate::timeline::label::{Label, Texts};
 use crate::timeline::lane::{Lane, LaneKind, Lanes, Part, Severity, Value};
 
-const TOPIC: &str = "event";
+pub(super) const TOPIC: &str = "event";
 
 /// The name that stands for the lines of text in a log.
 const TEXTS: &str = "logging";
