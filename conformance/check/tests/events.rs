@@ -10,9 +10,11 @@ use tempfile::TempDir;
 use uavspec_capture::ulog::{Event, Log, Reader};
 use uavspec_check::{CaptureResult, check_bytes};
 use uavspec_dynamic::event::{DecodedEvent, EventValue, Events};
+use uavspec_model::Verdict;
 use uavspec_px4::checks::{Report, Reports, Step};
 use uavspec_px4::event::{EventMetadata, EventOrigin, RawEvent};
 use uavspec_rules::definitions::{Definitions, Library};
+use uavspec_rules::rule;
 use uavspec_rules::sample::Flight;
 use uavspec_runtime::event::{Argument, Profile};
 use uavspec_schema::EventKind;
@@ -215,11 +217,11 @@ fn a_result_names_the_event_metadata_that_explains_the_events() {
     let path = folder.path().join("kite.json");
     fs::write(&path, KITE).expect("a file");
     let (library, with_file) =
-        (Library::built_in(), Library::built_in().with_events(&path).expect("metadata"));
+        (Library::built_in(), Library::built_in().with_events(EventMetadata::load(&path).expect("metadata")));
     let hash: String = Sha256::digest(KITE).iter().map(|byte| format!("{byte:02x}")).collect();
     let [capture, built_in] = [EventOrigin::Capture, EventOrigin::BuiltIn].map(|origin| origin.to_string());
     let file = path.to_string_lossy();
-    for (log, library, expected, has_note) in [
+    for (log, library, expected, has_wrong_hash) in [
         (log_with_metadata(&hash), &library, &*capture, false),
         (log_with_metadata(&hash), &with_file, &*capture, false),
         (log_with_metadata(&hash.replace('0', "1")), &library, &*built_in, true),
@@ -228,7 +230,8 @@ fn a_result_names_the_event_metadata_that_explains_the_events() {
     ] {
         let result = check(&log, library);
         assert_eq!(result.event_metadata.as_deref(), Some(expected));
-        assert_eq!(!result.notes.is_empty(), has_note, "{:?}", result.notes);
+        let is_wrong = result.findings.verdict(rule("PX-EVT-01").expect("a rule")) == Verdict::Fail;
+        assert_eq!(is_wrong, has_wrong_hash);
     }
 }
 

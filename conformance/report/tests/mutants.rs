@@ -60,6 +60,8 @@ fn built_in_definitions_have_mutants_of_every_rule() {
     let mut covered = check_conforming(&definitions);
     // Only a topic with a version suffix can have the wrong version.
     covered.insert("PX-VER-01");
+    // The definitions have no VehicleStatus.
+    covered.insert("PX-EVT-08");
     assert_eq!(covered, all);
     let tested: BTreeSet<&str> = tested_mutants(&[]).map(|mutant| mutant.rule.id).collect();
     assert_eq!(tested.len(), all.len().div_ceil(extent(1, STEP)));

@@ -326,6 +326,7 @@ fn messages_of_round(message: &str, round: u64, typical: &Value) -> Vec<Value> {
             present().map(|(id, _)| with(&reply, &[("registration_id", (*id).into())])).collect()
         }
         "Event" => vec![with(&typical, &events::fields(round))],
+        "VehicleStatus" => vec![with(&typical, &events::status())],
         "UnregisterExtComponent" => present()
             .filter(|(_, last)| round == *last)
             .map(|(id, _)| with(&typical, &[("arming_check_id", (*id).into())]))

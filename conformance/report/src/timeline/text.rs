@@ -83,7 +83,7 @@ fn checks(entries: &[&Entry<'_>], language: &str) -> String {
     };
     let names: Vec<String> = entries.iter().map(name).collect();
     let state = entries.first().and_then(|entry| entry.value.parts.first()).map(|part| shown(&part.name));
-    let topic = entries.first().map_or("", |entry| &entry.lane.topic);
+    let topic = entries.first().map(|entry| shown(&entry.lane.topic)).unwrap_or_default();
     format!("{topic}: {}: {}", state.unwrap_or_default(), names.join(", "))
 }
 

@@ -16,6 +16,11 @@ const PROBLEM: CheckModesGlobalPos = CheckModesGlobalPos {
     health_component_index: HealthComponent::GPS.0.trailing_zeros() as u8,
 };
 
+/// The fields of the state that agree with the event about arming.
+pub(super) fn status() -> [(&'static str, Value); 2] {
+    [("arming_state", 2.into()), ("latest_arming_reason", ArmDisarmReason::COMMAND_INTERNAL.0.into())]
+}
+
 /// The fields of the event in a round.
 pub(super) fn fields(round: u64) -> [(&'static str, Value); 3] {
     let (none, gps) = (HealthComponent(0), HealthComponent::GPS);
