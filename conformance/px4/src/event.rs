@@ -127,10 +127,11 @@ impl RawEvent {
         })
     }
 
-    /// The events in a message of type `ArmingCheckReply`.
+    /// The events in a message of type `ArmingCheckReply`. Empty if it states more events than there is room for.
     pub fn of_reply(values: DynamicView<'_>) -> Vec<Self> {
         let Some(Value::Array(events)) = values.get("events") else { return Vec::new() };
-        let used = values.get("num_events").and_then(integer).unwrap_or(0_usize);
+        let used = values.get("num_events").and_then(integer::<usize>);
+        let Some(used) = used.filter(|used| *used <= events.len()) else { return Vec::new() };
         let event = |event| match event {
             Value::Message(event) => Self::read(event),
             _ => None,
