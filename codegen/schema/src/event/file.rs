@@ -89,10 +89,10 @@ impl Parser {
         &mut self,
         value: &'v Value<'s>,
         what: &str,
-        mut read: impl FnMut(&mut Self, Located, &'v ObjectProp<'s>) -> Option<T>,
+        mut read: impl FnMut(&mut Self, &Located, &'v ObjectProp<'s>) -> Option<T>,
     ) -> Option<Vec<T>> {
         let members = self.reader.object(value, what)?;
-        Some(members.iter().filter_map(|member| read(self, self.reader.key(member), member)).collect())
+        Some(members.iter().filter_map(|member| read(self, &self.reader.key(member), member)).collect())
     }
 
     /// Like [`Self::each`], for a member that may be absent.
@@ -100,7 +100,7 @@ impl Parser {
         &mut self,
         members: &Members<'v, 's>,
         name: &str,
-        read: impl FnMut(&mut Self, Located, &'v ObjectProp<'s>) -> Option<T>,
+        read: impl FnMut(&mut Self, &Located, &'v ObjectProp<'s>) -> Option<T>,
     ) -> Vec<T> {
         members.get(name).and_then(|value| self.each(value, name, read)).unwrap_or_default()
     }
@@ -137,8 +137,8 @@ impl Parser {
         }
     }
 
-    fn component(&mut self, key: Located, member: &ObjectProp<'_>) -> Option<ComponentSource> {
-        let id = self.number(&key, "a component id", (0, 255));
+    fn component(&mut self, key: &Located, member: &ObjectProp<'_>) -> Option<ComponentSource> {
+        let id = self.number(key, "a component id", (0, 255));
         let known = ["namespace", "enums", "event_groups", "supported_protocols", "navigation_mode_groups"];
         let members = self.reader.members(&member.value, "a component", &known)?;
         let namespace = self.reader.required_text(&members, "namespace");
@@ -173,9 +173,9 @@ impl Parser {
         })
     }
 
-    fn enumeration(&mut self, name: Located, member: &ObjectProp<'_>) -> Option<EventEnum> {
+    fn enumeration(&mut self, name: &Located, member: &ObjectProp<'_>) -> Option<EventEnum> {
         let is_type = |name: &str| is_identifier(name) && name.ends_with("_t");
-        self.check_name(&name, "an enum", is_type, "letters, digits and `_`, with `_t` at the end");
+        self.check_name(name, "an enum", is_type, "letters, digits and `_`, with `_t` at the end");
         let known = ["type", "description", "is_bitfield", "separator", "entries"];
         let members = self.reader.members(&member.value, "an enum", &known)?;
         let ty = self.reader.required_text(&members, "type");
@@ -204,7 +204,7 @@ impl Parser {
             !is_repeated
         });
         Some(EventEnum {
-            name: name.text,
+            name: name.text.clone(),
             scalar,
             description,
             separator: is_bits.then(|| separator.unwrap_or_else(|| "|".to_owned())),
@@ -215,12 +215,12 @@ impl Parser {
 
     fn entry(
         &mut self,
-        key: Located,
+        key: &Located,
         member: &ObjectProp<'_>,
         scalar: Scalar,
         is_bits: bool,
     ) -> Option<EventEntry> {
-        let value: Option<i128> = self.number(&key, "a value of the enum", scalar.integer_bounds()?);
+        let value: Option<i128> = self.number(key, "a value of the enum", scalar.integer_bounds()?);
         if let Some(value) = value.filter(|value| is_bits && value.count_ones() != 1) {
             self.reader.report(Problem::EventBit { value }, key.span);
         }
@@ -243,14 +243,14 @@ impl Parser {
         line.text
     }
 
-    fn group(&mut self, group: Located, member: &ObjectProp<'_>) -> Option<Vec<EventSource>> {
-        self.check_name(&group, "a group of events", is_lower_name, LOWER_NAME);
+    fn group(&mut self, group: &Located, member: &ObjectProp<'_>) -> Option<Vec<EventSource>> {
+        self.check_name(group, "a group of events", is_lower_name, LOWER_NAME);
         let members = self.reader.members(&member.value, "a group of events", &["events"])?;
         Some(self.each_of(&members, "events", |parser, key, member| parser.event(key, member, &group.text)))
     }
 
-    fn event(&mut self, key: Located, member: &ObjectProp<'_>, group: &str) -> Option<EventSource> {
-        let sub_id = self.number(&key, "the lower 24 bits of an event id", (0, i128::from(MAX_SUB_ID)));
+    fn event(&mut self, key: &Located, member: &ObjectProp<'_>, group: &str) -> Option<EventSource> {
+        let sub_id = self.number(key, "the lower 24 bits of an event id", (0, i128::from(MAX_SUB_ID)));
         let known = ["name", "message", "description", "type", "instance_arg_index", "arguments"];
         let members = self.reader.members(&member.value, "an event", &known)?;
         let name = self.reader.required_text(&members, "name");

@@ -59,7 +59,7 @@ pub struct Tag<'t> {
     pub content: &'t str,
 }
 
-impl<'t> Tag<'t> {
+impl Tag<'_> {
     /// True if a reader with this profile sees the content.
     pub fn is_shown(&self, profile: Profile) -> bool {
         let name = self.attribute.map_or("", |(_, value)| value);
