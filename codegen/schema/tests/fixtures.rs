@@ -59,7 +59,7 @@ fn read_case(folder: &Path) -> (SourceMap, Vec<Diagnostic>) {
             file.strip_prefix(folder).expect("a file of the folder").to_string_lossy().replace('\\', "/");
         let is_message = Kind::of(&path).is_some();
         let (name, form) = match path.split_once('/') {
-            _ if path.ends_with(".json") => ("events", Form::Events),
+            _ if file.extension().is_some_and(|extension| extension == "json") => ("events", Form::Events),
             _ if !is_message => ("pages", Form::Table),
             Some((folder, _)) if is_ros2 => (folder, Form::Msg(Dialect::Ros2)),
             None if is_ros2 => ("demo", Form::Msg(Dialect::Ros2)),

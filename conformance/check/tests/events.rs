@@ -41,7 +41,7 @@ fn events_of(log: &Path) -> Vec<Value> {
         let events =
             read.get_or_insert_with(|| EventMetadata::of_capture(std::mem::take(&mut metadata))).events();
         let values = record.message_type.view_uorb(record.payload).expect("an event");
-        let timestamp = values.get("timestamp").and_then(|time| time.number()).expect("a time");
+        let timestamp = values.get("timestamp").and_then(uavspec_dynamic::Value::number).expect("a time");
         let raw = RawEvent::read(values).expect("an event");
         let mut event = json!({
             "timestamp": timestamp.to_string().parse::<u64>().expect("a time"),

@@ -34,7 +34,8 @@ fn main() -> io::Result<ExitCode> {
     let rude = ProtocolFault::read(&arguments);
     evil.at_start();
     let (types, body_schemas) = (Types::new(&schema), DefinedSchemas::new(&schema));
-    let codec = Codec { schema: &schema, types: &types, body_schemas: &body_schemas };
+    let codec =
+        Codec { schema: &schema, types: &types, body_schemas: &body_schemas, events: codec::events(&schema) };
     let mut input = BufReader::with_capacity(1 << 16, io::stdin().lock());
     let mut output = io::stdout().lock();
     let mut count = 0;

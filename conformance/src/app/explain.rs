@@ -76,6 +76,7 @@ pub(super) struct ExplainArgs {
     /// The answer comes from the health and arming reports in the events of PX4. It is about the modes in which the vehicle
     /// was, unless --mode names another.
     #[arg(long, value_name = "TIME", num_args = 0..=1, value_parser = time)]
+    #[allow(clippy::option_option)] // the option may have no value
     why_not_arm: Option<Option<i64>>,
     /// Mode for --why-not-arm, such as posctl or Loiter.
     #[arg(long, value_name = "NAME", requires = "why_not_arm")]

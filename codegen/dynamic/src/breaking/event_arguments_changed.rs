@@ -1,6 +1,6 @@
 //! `event-arguments-changed`: the arguments of an event changed.
 
-use super::comparison::EventChange;
+use super::comparison::{EventChange, EventIn};
 use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
@@ -27,7 +27,7 @@ pub(super) const RULE: Rule = Rule {
 
 fn check(change: &EventChange<'_>, sink: &mut Sink<'_>) {
     let EventChange::Same(old, new) = change else { return };
-    let [before, after] = [old, new].map(|found| found.arguments());
+    let [before, after] = [old, new].map(EventIn::arguments);
     if before == after {
         return;
     }

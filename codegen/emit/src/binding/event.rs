@@ -58,8 +58,8 @@ pub(super) fn declare(names: &mut Names, index: usize, package: &Package) -> Vec
     for component in &package.components {
         for event in &component.events {
             let name = names.extra(index, &top_level(&pascal_case(&event.name)));
-            let named = Type::Named { module: None, name: name.clone() };
-            all.push((format!("{}::{}", component.namespace, event.name), named));
+            let ty = Type::Named { module: None, name: name.clone() };
+            all.push((format!("{}::{}", component.namespace, event.name), ty));
             declarations.push(arguments(package, component, event, name, &name_of));
         }
     }
@@ -108,7 +108,7 @@ fn arguments(
         if !text.is_empty() {
             text.push_str("\n\n");
         }
-        text += &format!("type: {}", package.event_type(component, argument));
+        text.extend(["type: ", &package.event_type(component, argument)]);
         Property { key: argument.name.clone(), is_required: true, ty, text }
     };
     let mut text = format!("Arguments of the event {}: {}", event.name, event.message);

@@ -179,26 +179,27 @@ impl Emitter<'_> {
         });
         let reads = fields.iter().map(|(argument, field)| {
             let number = types::primitive(argument.scalar);
-            match argument.enumeration {
-                Some(_) => quote!(#field: source.take::<#number>().into()),
-                None => quote!(#field: source.take()),
+            if argument.enumeration.is_some() {
+                quote!(#field: source.take::<#number>().into())
+            } else {
+                quote!(#field: source.take())
             }
         });
         let writes = fields.iter().map(|(argument, field)| {
             let number = types::primitive(argument.scalar);
-            match argument.enumeration {
-                Some(_) => quote!(sink.put(<#number>::from(self.#field));),
-                None => quote!(sink.put(self.#field);),
+            if argument.enumeration.is_some() {
+                quote!(sink.put(<#number>::from(self.#field));)
+            } else {
+                quote!(sink.put(self.#field);)
             }
         });
         let arguments = event.arguments.iter().map(|argument| {
             let (name, scalar) = (&argument.name, ident(&format!("{:?}", argument.scalar)));
-            let labels = match argument.enumeration {
-                Some(_) => {
-                    let ty = self.argument_type(argument);
-                    quote!(#ty::LABELS)
-                }
-                None => quote!(&[]),
+            let labels = if argument.enumeration.is_some() {
+                let ty = self.argument_type(argument);
+                quote!(#ty::LABELS)
+            } else {
+                quote!(&[])
             };
             quote!(::uavspec_runtime::event::ArgumentDescriptor {
                 name: #name,

@@ -169,7 +169,7 @@ impl Parser {
         self.each(groups, "groups", |parser, key, member| {
             let modes = parser.reader.list(&member.value, "a group of modes")?;
             let modes = modes.iter().filter_map(|mode| parser.reader.number(mode, "a mode")).collect();
-            Some((parser.number(&key, "the bit of a group of modes", (0, 63))?, modes))
+            Some((parser.number(key, "the bit of a group of modes", (0, 63))?, modes))
         })
     }
 

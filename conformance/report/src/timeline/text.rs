@@ -72,7 +72,7 @@ fn changes(timeline: &Timeline, language: &str) -> Vec<String> {
 fn key<'e>(entry: &Entry<'e>) -> Option<(i64, Option<&'e Label>, &'e [Part])> {
     let Entry { lane, change, value } = *entry;
     let is_check = lane.kind == LaneKind::Check;
-    is_check.then(|| (change.time_us, lane.group.as_ref(), value.parts.as_slice()))
+    is_check.then_some((change.time_us, lane.group.as_ref(), value.parts.as_slice()))
 }
 
 /// The line of modes or components with the same state.

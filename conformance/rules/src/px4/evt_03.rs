@@ -35,7 +35,7 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
 }))
 .mutants(&[
     Mutant::flight_in("an event with shifted arguments", &[Encoding::Ulog], |flight| {
-        flight.with_event(3, |event| shift(event))
+        flight.with_event(3, shift)
     }),
     Mutant::flight_in("a reason with shifted arguments", &[Encoding::Ulog], |flight| {
         flight.with_refusal(|reply| shift(&mut reply["events"][0]))

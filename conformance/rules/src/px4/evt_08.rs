@@ -113,7 +113,7 @@ fn change(
 }
 
 impl State {
-    fn judge(&self, event: &Event, context: &mut RuleContext<'_>) {
+    fn judge(self, event: &Event, context: &mut RuleContext<'_>) {
         context.covered();
         let (name, field) = CHANGES[event.change];
         let arms = event.change == 0;

@@ -13,7 +13,7 @@ pub(super) const NUM_EVENTS: u64 = 4;
 /// The problem of the report. It affects all modes.
 const PROBLEM: CheckModesGlobalPos = CheckModesGlobalPos {
     modes: NavigationModeGroup(u32::MAX),
-    health_component_index: HealthComponent::GPS.0.trailing_zeros() as u8,
+    health_component_index: 3, // the bit of `HealthComponent::GPS`
 };
 
 /// The fields of the state that agree with the event about arming.
