@@ -2044,7 +2044,7 @@ const data: EventData = {
   ],
 };
 
-/** Decodes an event from its id and the bytes of its arguments. Returns null if this package has no such event. Throws a \`RangeError\` if there are too few bytes. */
+/** Decodes an event from its id and the bytes of its arguments. Returns null if this package has no such event. Throws a RangeError if there are too few bytes. */
 export function decodeEvent(id: number, bytes: Uint8Array): DecodedEvent | null {
   return decode(data, id, bytes);
 }
