@@ -29,8 +29,8 @@ impl Release {
         unpacked(self.packed)
     }
 
-    /// The definitions, with the constants that the firmware of the release uses. `errata.tsv` lists those that a
-    /// definition states wrongly. Each has a comment with its source.
+    /// The definitions, with the constants that the firmware of the release uses. A constant from `errata.tsv`, which
+    /// the definition states wrongly, has a comment with its source.
     pub fn corrected_text(&self) -> String {
         let errata: Vec<Erratum<'_>> = errata().filter(|erratum| self.has(erratum)).collect();
         let mut message = "";

@@ -53,7 +53,7 @@ pub(super) struct CheckRun<'d> {
     record_time: Option<u64>,
     /// The log time and the sequence number of the current record, if it is in a bag.
     pub(super) logged: Option<Logged>,
-    /// What the events of the capture mean.
+    /// The metadata of the events.
     events: Arc<EventMetadata>,
     /// True if a message contained events.
     has_events: bool,

@@ -77,7 +77,7 @@ pub struct Timeline {
     pub languages: BTreeMap<String, String>,
     /// The topics of the timeline, or the message types if the capture is a session.
     pub topics: Vec<Topic>,
-    /// What a pilot asks first. `None` if the capture doesn't show the state of a single PX4 vehicle.
+    /// The summary for a pilot. `None` if the capture doesn't show the state of a single PX4 vehicle.
     pub overview: Option<Overview>,
     /// The lanes.
     pub lanes: Vec<Lane>,

@@ -198,7 +198,7 @@ impl Reports {
             return Step::Unexpected("the summary has too few arguments");
         };
         if stated != Some(chunk.into()) {
-            return Step::Unexpected("it ends another chunk than the one that has begun");
+            return Step::Unexpected("it ends a chunk that has not begun");
         }
         if let Some(report) = self.chunks.get_mut(&chunk) {
             for (bit, component) in &mut report.components {

@@ -127,7 +127,7 @@ pub struct RuleContext<'c> {
     pub rule: &'static Rule,
     /// The definitions that the capture is checked against.
     pub definitions: &'c Definitions,
-    /// What the events of the capture mean.
+    /// The metadata of the events.
     pub events: &'c EventMetadata,
     /// All findings of the run.
     pub findings: &'c mut Findings,

@@ -75,9 +75,9 @@ pub struct Vehicle {
     pub components: Components,
     /// The health and arming reports.
     reports: Reports,
-    /// The modes in which the vehicle can't arm. `None` if there is no report yet.
+    /// The modes in which the vehicle can't arm. `None` before the first report.
     pub refused: Option<Vec<Refused>>,
-    /// What events mean.
+    /// The metadata of the events.
     pub(crate) metadata: Arc<EventMetadata>,
     /// The number of messages.
     pub messages: u64,

@@ -208,7 +208,7 @@ impl CaseBuilder<'_, '_> {
         cases
     }
 
-    /// Adds a case that decodes an event, for each profile with texts of its own.
+    /// Adds a case that decodes an event, for each profile with other texts than the one before.
     fn add_event(&self, vector: &Value, arguments: &[u8], cases: &mut Vec<Case>) {
         let texts = vector["texts"].as_object();
         let mut previous = None;

@@ -99,7 +99,7 @@ fn head(timeline: &Timeline) -> Markup {
     }
 }
 
-/// What a pilot asks first, in all languages.
+/// The summary for a pilot, in all languages.
 fn overview(timeline: &Timeline) -> Markup {
     html! {
         @if let Some(overview) = &timeline.overview {

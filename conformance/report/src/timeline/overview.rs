@@ -1,4 +1,4 @@
-//! What a pilot asks first, in sentences.
+//! The summary for a pilot, in sentences.
 
 use uavspec_check::timeline::{Flight, Overview, Part, Refusal};
 use uavspec_model::text::shown;
@@ -28,7 +28,7 @@ pub struct WhyNotArm {
 }
 
 impl WhyNotArm {
-    /// The mode in the question, if no report states it.
+    /// The mode in the question, if it is in none of the reports.
     pub fn unknown_mode(&self, overview: &Overview) -> Option<&str> {
         self.mode.as_deref().filter(|mode| !overview.modes.iter().any(|known| known.is_named(mode)))
     }

@@ -35,7 +35,7 @@ fn head(timeline: &Timeline) -> String {
     format!("{path}: {} long{start}, explained by {}", duration(timeline.duration_us), sources(timeline))
 }
 
-/// What a pilot asks first.
+/// The summary for a pilot.
 fn overview(timeline: &Timeline, language: &str) -> Vec<String> {
     let sentences = timeline.overview.iter().flat_map(|overview| sentences(overview, language));
     sentences.map(|sentence| paragraph(&sentence)).collect()

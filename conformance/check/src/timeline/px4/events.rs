@@ -14,7 +14,7 @@ use crate::timeline::lane::{Lane, LaneKind, Lanes, Part, Severity, Value};
 
 pub(super) const TOPIC: &str = "event";
 
-/// The name that stands for the lines of text in a log.
+/// The name of the lane with the texts of a log.
 const TEXTS: &str = "logging";
 
 /// The groups of the lanes of reports.

@@ -1,4 +1,4 @@
-//! What a pilot asks first: why the vehicle didn't arm, when it flew, and why it disarmed.
+//! The summary for a pilot: why the vehicle couldn't arm, when it flew, and why it disarmed.
 
 use std::collections::BTreeMap;
 
@@ -26,7 +26,7 @@ const DISARMED_BY: &str = "commander_disarmed_by";
 /// The time within which such an event belongs to a change of the state, in µs.
 const NEAR: u64 = 2_000_000;
 
-/// What a pilot asks first.
+/// The summary for a pilot.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Overview {
     /// The times at which the vehicle couldn't arm in a mode. Empty if it could, or if there are no reports.
@@ -102,7 +102,7 @@ fn instant(time: u64) -> i64 {
 }
 
 impl Flights {
-    /// Takes the state from a message of `vehicle_status`. The reasons are those that the message states.
+    /// Takes the state from a message of `vehicle_status`. `stated` returns a reason that the message states.
     pub(super) fn status(
         &mut self,
         channel: &Channel<'_>,
