@@ -8,8 +8,8 @@ use super::prelude::*;
 pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
     id: "PX-EVT-02",
     name: "Known events",
-    level: Level::Should,
-    status: Status::Normative,
+    level: Level::Info,
+    status: Status::Advisory,
     statement: "The event metadata has the id of each event, also of those in an ArmingCheckReply.",
     source: "event metadata (`event_groups`)",
     applies_to: "message values",

@@ -13,9 +13,8 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
     statement: "The bytes after the arguments of an event are zero.",
     source: "event metadata (`arguments`), and PX4's function `events::send`",
     applies_to: "message values",
-    why: "If other bytes follow, the sender has written other arguments than the metadata describes, \
-          and ground stations show wrong values. PX4's library for external modes has shifted \
-          arguments by two bytes in this way.",
+    why: "If other bytes follow, the sender has written other arguments than the metadata describes, and \
+          ground stations show wrong values. For example, padding shifts all later arguments.",
     example: "arguments in the metadata: uint32_t modes, uint8_t component, uint8_t sensor\n\
               bytes:                     ff ff 00 00 00 00 03 02 00 …   (shifted by two)",
     fix: "Write the arguments in the order and with the types of the metadata, without padding.",
