@@ -291,6 +291,17 @@ mod tests {
     }
 
     #[test]
+    fn malformed_texts_are_shown_as_written() {
+        for text in ["<a>", "<a><a>", "{", "{999999999999}", "{0}", "\u{7}", r#"<b><profile name=\"dev\">"#] {
+            let json = METADATA.replace("{1}: {3:.1}, {2}, {4}", &text.replace('\u{7}', "\\u0007"));
+            let (events, mistakes) = Events::read(json.replace("6424053", &id().to_string()).into_bytes());
+            assert_eq!((events.len(), mistakes.is_empty()), (1, text == "\u{7}"), "{text}: {mistakes:?}");
+            let event = events.decode(3 << 24 | id(), &[0; 25]).expect("an event");
+            assert_eq!(event.message(Profile::Normal), text.replace('\\', ""), "{text}");
+        }
+    }
+
+    #[test]
     fn what_cannot_be_decoded_is_omitted() {
         let (events, mistakes) = Events::read(METADATA.replace("int16_t", "int17_t").into_bytes());
         assert_eq!((events.len(), mistakes.len()), (0, 2));

@@ -44,9 +44,12 @@ pub(crate) const MAX_MEMBERS: usize = 1 << 20;
 
 // Event metadata.
 
-/// The maximum length of a file with event metadata, in bytes. The longest known one is 160 kB. A parsed value takes more
-/// memory than its text.
+/// The maximum length of event metadata, in bytes. The longest known one has 160 kB.
 pub const MAX_EVENTS_LEN: usize = 1 << 20;
+
+/// The maximum number of values in event metadata. The largest known one has 4,000. A value of a few bytes takes up to
+/// 500 bytes when it is parsed.
+pub(crate) const MAX_EVENT_VALUES: usize = 1 << 16;
 
 /// The maximum memory that xz may reserve, in KiB. PX4's build uses a dictionary of 64 MiB. A file uses only as much of it
 /// as the file is long.
@@ -54,6 +57,9 @@ pub(crate) const MAX_XZ_MEMORY: u32 = 66 << 10;
 
 /// The maximum number of mistakes that are reported for a file, and for a package.
 pub(crate) const MAX_MISTAKES: usize = 1_000;
+
+/// The maximum number of names that are compared to suggest others for unknown types.
+pub(crate) const MAX_COMPARED_NAMES: usize = 10_000;
 
 /// The maximum length of a text of an event, in bytes. Reading a hostile text takes time proportional to the square of its
 /// length.

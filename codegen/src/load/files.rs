@@ -1,9 +1,9 @@
 //! Finds and reads the files of a plan.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::ErrorKind;
+use std::fs::{self, File};
+use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 
 use globset::{GlobBuilder, GlobSetBuilder};
 use uavspec_dynamic::conversion::Request;
@@ -26,6 +26,10 @@ use super::located::failure_at;
 
 /// Extensions of pages with tables.
 const PAGE_EXTENSIONS: [&str; 5] = ["md", "markdown", "adoc", "asciidoc", "txt"];
+
+/// The maximum number of bytes that are read from a file. A file that has up to so many, but too many for a definition,
+/// doesn't prevent reading the others.
+const MAX_FILE: u64 = 16 << 20;
 
 /// The files of a plan, as sources.
 pub struct Loaded {
@@ -230,7 +234,7 @@ impl Loader<'_> {
         for path in files {
             let bytes = match self.plan.open.get(path) {
                 Some(text) => text.clone().into_bytes(),
-                None => fs::read(path).map_err(|error| unreadable(path, &error))?,
+                None => read(path).map_err(|error| unreadable(path, &error))?,
             };
             self.loaded.files.push(path.clone());
             let text = text_of(bytes).map_err(|error| unreadable(path, &error))?;
@@ -473,6 +477,18 @@ pub fn is_definition(path: &Path, form: Form) -> bool {
         Form::Table => PAGE_EXTENSIONS.contains(&extension),
         Form::Events => extension == "json" || is_compressed(path),
     }
+}
+
+/// Reads a file, unless it is much too long for a definition.
+fn read(path: &Path) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    File::open(path)?.take(MAX_FILE + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > MAX_FILE {
+        return Err(io::Error::other(format!(
+            "longer than {MAX_FILE} bytes; check that this file is a definition"
+        )));
+    }
+    Ok(bytes)
 }
 
 /// The text of a file, which may be compressed.

@@ -3,8 +3,10 @@
 #![allow(clippy::missing_panics_doc, reason = "a panic is the failure of a test")]
 
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use lzma_rust2::{XzOptions, XzWriter};
 use proptest::test_runner::Config;
 use uavspec_schema::msg::Dialect;
 use uavspec_schema::{Diagnostic, Form, PackageInput, Schema, SourceMap, read};
@@ -128,6 +130,12 @@ pub fn texts(form: Form, files: &[(&str, &str)]) -> (SourceMap, Schema, Vec<Diag
     let (schema, mut found) = read(&sources, &[package]);
     diagnostics.append(&mut found);
     (sources, schema, diagnostics)
+}
+
+/// Compresses bytes with xz.
+pub fn xz(bytes: &[u8]) -> Vec<u8> {
+    let mut writer = XzWriter::new(Vec::new(), XzOptions::with_preset(0)).expect("valid options");
+    writer.write_all(bytes).and_then(|()| writer.finish()).expect("compressed bytes")
 }
 
 /// Compares `found` with the file at `path`, and returns the difference. With `UAVSPEC_UPDATE_FIXTURES`, writes the

@@ -142,9 +142,6 @@ pub(crate) const MAX_WAITING: usize = 16 << 20;
 /// topics.
 pub(crate) const MAX_LOG_TOPICS: usize = 10_000;
 
-/// The maximum length of compressed event metadata, in bytes. The longest known one takes 16 kB.
-pub(crate) const MAX_EVENT_METADATA: usize = 1 << 20;
-
 /// The maximum number of flights of a capture, and of the takeoffs and landings of a flight.
 pub(crate) const MAX_FLIGHTS: usize = 100;
 

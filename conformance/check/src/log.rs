@@ -13,7 +13,7 @@ use uavspec_capture::ulog::{Event, Item, Log, LogProblem, Problem, Reader, Recor
 use uavspec_capture::{ENCRYPTED_MAGIC, ULOG_MAGIC};
 use uavspec_dynamic::{FormatProblem, MessageType};
 use uavspec_lint::release::LayoutHashes;
-use uavspec_model::text::{plural, shown};
+use uavspec_model::text::{plural, shown, thousands};
 use uavspec_model::{Channel, Detail, Extent, Findings, Location, Message, Rule, SubjectName};
 use uavspec_px4::comparison::{Comparison, compare};
 use uavspec_px4::event::EventMetadata;
@@ -21,11 +21,12 @@ use uavspec_px4::memory::{FieldCounts, Plan, shared_fields, time_offset};
 use uavspec_rules::definitions::{Clues, Definitions, FormatClue};
 use uavspec_rules::px4;
 use uavspec_schema::MessageId;
+use uavspec_schema::limits::MAX_EVENTS_LEN;
 
 use super::coverage::{PartResult, Parts, Share, Tally, Unit};
 use super::release::{ComparedTopic, ReleaseMatch, release_lines, release_matches};
 use super::{CaptureResult, CheckRun, Describe, Kind, Line, Summary, Totals, has_magic};
-use crate::limits::{MAX_EVENT_METADATA, MAX_LOG_FIELDS};
+use crate::limits::MAX_LOG_FIELDS;
 
 pub(super) const KIND: Kind = Kind {
     name: "ULog",
@@ -216,19 +217,29 @@ impl Metadata {
 
     fn add(&mut self, piece: &[u8], location: Location) {
         self.place.get_or_insert(location);
-        // What is too long can't be decompressed, either.
-        if self.bytes.len() <= MAX_EVENT_METADATA {
+        if self.bytes.len() <= MAX_EVENTS_LEN {
             self.bytes.extend_from_slice(piece);
         }
     }
 
-    /// The reason why the metadata can't be trusted.
-    fn wrong_hash(&self) -> Option<String> {
-        let stated = self.digest.as_ref()?;
-        let found: String = Sha256::digest(&self.bytes).iter().map(|byte| format!("{byte:02x}")).collect();
-        let is_same = stated.eq_ignore_ascii_case(found.as_bytes());
-        let stated = String::from_utf8_lossy(stated);
-        (!is_same).then(|| format!("its SHA-256 hash is {found}, but the log states {}", shown(&stated)))
+    /// Reads the metadata. Also returns the first reason why not all events can be decoded. Fails if no event can be
+    /// decoded, or if the metadata can't be trusted.
+    fn read(&self) -> Result<(EventMetadata, Option<String>), String> {
+        if self.bytes.len() > MAX_EVENTS_LEN {
+            return Err(format!("it is longer than {} bytes", thousands(MAX_EVENTS_LEN)));
+        }
+        if let Some(stated) = &self.digest {
+            let found: String =
+                Sha256::digest(&self.bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+            if !stated.eq_ignore_ascii_case(found.as_bytes()) {
+                let stated = String::from_utf8_lossy(stated);
+                return Err(format!("its SHA-256 hash is {found}, but the log states {}", shown(&stated)));
+            }
+        }
+        match EventMetadata::of_capture(&self.bytes) {
+            Ok((metadata, mistake)) => Ok((metadata, mistake.map(|mistake| mistake.to_string()))),
+            Err(error) => Err(error.to_string()),
+        }
     }
 }
 
@@ -288,8 +299,8 @@ struct LogChecker<'d> {
     several: BTreeSet<String>,
     firmware: Option<String>,
     dropouts: u64,
-    /// The pieces of the log's event metadata. Cleared once they are read.
-    metadata: Metadata,
+    /// The log's event metadata. `None` after the definitions.
+    metadata: Option<Metadata>,
     /// The location of the previous item, if it is a record.
     latest: Option<Location>,
     /// True if the item is a corrupt part.
@@ -310,7 +321,7 @@ impl<'d> LogChecker<'d> {
             several: BTreeSet::new(),
             firmware: None,
             dropouts: 0,
-            metadata: Metadata::default(),
+            metadata: Some(Metadata::default()),
             latest: None,
             is_gap: false,
             is_behind_gap: false,
@@ -335,9 +346,15 @@ impl<'d> LogChecker<'d> {
             Event::Information { key: "ver_sw_release" | "ver_sw_branch" | "sys_name", value, ty } => {
                 self.information(ty, value);
             }
-            Event::MultiInformation { key: Metadata::KEY, value, .. } => self.metadata.add(value, location),
+            Event::MultiInformation { key: Metadata::KEY, value, .. } => {
+                if let Some(metadata) = &mut self.metadata {
+                    metadata.add(value, location);
+                }
+            }
             Event::Information { key: Metadata::DIGEST, value, .. } => {
-                self.metadata.digest = Some(value.to_vec());
+                if let Some(metadata) = &mut self.metadata {
+                    metadata.digest = Some(value.to_vec());
+                }
             }
             Event::Subscription { .. } => self.read_metadata(),
             Event::Logging { level, timestamp, text, .. } => {
@@ -359,17 +376,15 @@ impl<'d> LogChecker<'d> {
 
     /// Reads the event metadata at the end of the definitions.
     fn read_metadata(&mut self) {
-        let metadata = std::mem::take(&mut self.metadata);
+        let Some(metadata) = self.metadata.take() else { return };
         let Some(place) = metadata.place else { return };
-        let wrong_hash = metadata.wrong_hash();
-        let read = EventMetadata::of_capture(metadata.bytes);
-        let problem = match &wrong_hash {
-            Some(problem) => Some(format!("the event metadata isn't used: {problem}")),
-            None => read.mistake().map(|mistake| format!("the event metadata isn't valid: {mistake}")),
+        let problem = match metadata.read() {
+            Ok((metadata, mistake)) => {
+                self.run.set_metadata(metadata);
+                mistake.map(|mistake| format!("the event metadata has mistakes: {mistake}"))
+            }
+            Err(problem) => Some(format!("the event metadata can't be used: {problem}")),
         };
-        if wrong_hash.is_none() {
-            self.run.set_metadata(read);
-        }
         self.run.findings.cover(&px4::EVT_01.rule, 1);
         match problem {
             Some(text) if self.run.extent == Extent::Whole => {

@@ -4,13 +4,15 @@ use std::fs::{self, File};
 use std::io::BufReader;
 use std::path::Path;
 
+use allocation_counter::measure;
 use serde_json::{Map, Value, json};
 use sha2::{Digest as _, Sha256};
 use tempfile::TempDir;
 use uavspec_capture::ulog::{Event, Log, Reader};
-use uavspec_check::{CaptureResult, check_bytes};
+use uavspec_check::timeline::{Texts, Timeline};
+use uavspec_check::{CaptureResult, check_bytes, check_ulog};
 use uavspec_dynamic::event::{DecodedEvent, EventValue, Events};
-use uavspec_model::Verdict;
+use uavspec_model::{Extent, Verdict};
 use uavspec_px4::checks::{Report, Reports, Step};
 use uavspec_px4::event::{EventMetadata, EventOrigin, RawEvent};
 use uavspec_rules::definitions::{Definitions, Library};
@@ -18,11 +20,8 @@ use uavspec_rules::rule;
 use uavspec_rules::sample::Flight;
 use uavspec_runtime::event::{Argument, Profile};
 use uavspec_schema::EventKind;
-use uavspec_test_support::{Writer, shared};
-
-/// Event metadata of a kite.
-const KITE: &str = r#"{"version": 2, "components": {"0": {"namespace": "common", "event_groups": {"default": {
-    "events": {"7": {"name": "kite_landed", "message": "The kite has landed"}}}}}}}"#;
+use uavspec_schema::translation::Translations;
+use uavspec_test_support::{Writer, shared, xz};
 
 /// The events of a log, each decoded, as in the reference.
 fn events_of(log: &Path) -> Vec<Value> {
@@ -38,8 +37,12 @@ fn events_of(log: &Path) -> Vec<Value> {
         if record.subscription.topic != "event" {
             continue;
         }
-        let events =
-            read.get_or_insert_with(|| EventMetadata::of_capture(std::mem::take(&mut metadata))).events();
+        let events = read.get_or_insert_with(|| {
+            let (read, mistake) = EventMetadata::of_capture(&metadata).expect("event metadata");
+            assert_eq!(mistake, None);
+            read
+        });
+        let events = events.events();
         let values = record.message_type.view_uorb(record.payload).expect("an event");
         let timestamp = values.get("timestamp").and_then(uavspec_dynamic::Value::number).expect("a time");
         let raw = RawEvent::read(values).expect("an event");
@@ -183,28 +186,107 @@ fn differences_to_the_references_are_known() {
     }
 }
 
-/// A log with an event. `information` follows the flag bits.
-fn log(information: impl FnOnce(&mut Writer)) -> Vec<u8> {
+const METADATA: &str = r#"{"version": 2, "components": {"3": {"namespace": "kite", "event_groups": {"default": {"events": {
+    "1": {"name": "loose", "message": "Tether {1} loose", "arguments": [{"name": "tether", "type": "uint8_t"}]},
+    "2": {"name": "wet", "message": "Wet"}}}}}}}"#;
+
+/// A log with an event, and with event metadata in pieces of up to 100 bytes.
+fn log(metadata: &[u8], digest: Option<&str>) -> Vec<u8> {
     let mut log = Writer::with_flags();
-    information(&mut log);
     log.format("event:uint64_t timestamp;uint32_t id;uint16_t event_sequence;uint8_t[25] arguments;uint8_t log_levels;");
+    if let Some(digest) = digest {
+        log.entry(b'I', &[], "char[64] metadata_events_sha256", digest.as_bytes());
+    }
+    let longest = if metadata.len() > 10_000 { 60_000 } else { 100 };
+    for (number, piece) in metadata.chunks(longest).enumerate() {
+        let key = format!("uint8_t[{}] metadata_events", piece.len());
+        log.entry(b'M', &[u8::from(number > 0)], &key, piece);
+    }
     log.subscribe(0, 0, "event");
-    let bytes = [&2_000_u64.to_le_bytes()[..], &7_u32.to_le_bytes(), &1_u16.to_le_bytes(), &[0; 25], &[0x66]];
-    log.data(0, &bytes.concat());
+    let mut arguments = [0; 25];
+    arguments[0] = 7;
+    let [time, id, sequence] = [&5_000_u64.to_le_bytes()[..], &0x0300_0001_u32.to_le_bytes(), &[0; 2]];
+    log.data(0, &[time, id, sequence, &arguments, &[0x66]].concat());
     log.bytes
 }
 
-/// A log that contains its own event metadata, with this hash.
-fn log_with_metadata(hash: &str) -> Vec<u8> {
-    log(|log| {
-        let (first, rest) = KITE.split_at(100);
-        for (is_continued, piece) in [(0, first), (1, rest)] {
-            let key = format!("uint8_t[{}] metadata_events", piece.len());
-            log.entry(b'M', &[is_continued], &key, piece.as_bytes());
-        }
-        let key = format!("char[{}] metadata_events_sha256", hash.len());
-        log.entry(b'I', &[], &key, hash.as_bytes());
-    })
+/// The problems of the metadata, the text of the event in the timeline, and the origin of the metadata.
+fn explained(log: &[u8]) -> (Vec<String>, String, String) {
+    let definitions = Definitions::built_in();
+    let result = check_ulog(log, &definitions);
+    assert_eq!((result.checked, result.extent), (1, Extent::Whole));
+    let problems = result.findings.groups().inspect(|group| assert_eq!(group.rule.id, "PX-EVT-01"));
+    let problems = problems.map(|group| group.examples[0].1.to_string()).collect();
+    let timeline = Timeline::of_bytes(log, &definitions, &Texts::of(Translations::default()));
+    let timeline = timeline.expect("a timeline");
+    let lane = timeline.lanes.iter().find(|lane| lane.name == "event").expect("the lane of events");
+    let event = &lane.values[0].parts[0];
+    let text = event.label.as_ref().map_or(&event.name, |label| &label.text);
+    (problems, text.clone(), timeline.event_metadata.expect("an origin"))
+}
+
+fn digest(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02X}")).collect()
+}
+
+#[test]
+fn a_log_is_explained_with_its_own_event_metadata() {
+    let packed = xz(METADATA.as_bytes());
+    for log in [log(&packed, Some(&digest(&packed))), log(&packed, None), log(METADATA.as_bytes(), None)] {
+        let own = "its own event metadata";
+        assert_eq!(explained(&log), (Vec::new(), "Tether 7 loose".to_owned(), own.to_owned()));
+    }
+}
+
+#[test]
+fn event_metadata_with_a_mistake_explains_other_events() {
+    let metadata = METADATA.replace("\"message\": \"Wet\"", "\"message\": 7");
+    let (problems, text, _) = explained(&log(&xz(metadata.as_bytes()), None));
+    assert_eq!(problems, ["the event metadata has mistakes: `message` is not a string"]);
+    assert_eq!(text, "Tether 7 loose");
+}
+
+#[test]
+fn a_huge_file_with_event_metadata_is_refused_early() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("all_events.json");
+    File::create(&path).and_then(|file| file.set_len(100 << 20)).expect("a file of zeros");
+    let mut error = String::new();
+    let memory = measure(|| error = EventMetadata::load(&path).expect_err("refused").to_string());
+    assert!(error.ends_with("all_events.json: longer than 1048576 bytes"), "{error}");
+    assert!(memory.bytes_max < 4 << 20, "{} bytes", memory.bytes_max);
+}
+
+#[test]
+fn a_log_with_corrupt_event_metadata_is_checked() {
+    let packed = xz(METADATA.as_bytes());
+    let stated = digest(&packed);
+    let mut flipped = packed.clone();
+    flipped[100] ^= 1;
+    let truncated = &packed[..150];
+    let too_long = vec![b' '; (1 << 20) + 1];
+    for (log, expected) in [
+        (
+            log(truncated, Some(&stated)),
+            format!("its SHA-256 hash is {}, but", digest(truncated).to_lowercase()),
+        ),
+        (log(&packed, Some("\u{1b}[31m")), format!("its SHA-256 hash is {}, but", stated.to_lowercase())),
+        (log(truncated, None), "truncated xz data".to_owned()),
+        (log(&flipped, None), "corrupt xz data: ".to_owned()),
+        (log(b"\xff\xfe", None), "byte 0xff is not valid UTF-8".to_owned()),
+        (log(b"kite", None), "invalid JSON: unexpected word".to_owned()),
+        (log(&xz(b"{\"version\": 2"), None), "invalid JSON: unterminated object".to_owned()),
+        (log(&xz(&too_long), None), "more than 1048576 bytes after decompression".to_owned()),
+        (log(&too_long, None), "it is longer than 1,048,576 bytes".to_owned()),
+    ] {
+        let (problems, text, origin) = explained(&log);
+        let [problem] = &problems[..] else { panic!("{expected}: {problems:?}") };
+        let (place, reason) = problem.split_once(" can't be used: ").expect("a reason");
+        assert!(place == "the event metadata" && reason.starts_with(&expected), "{problem}");
+        assert!(!problem.contains('\u{1b}'), "{problem:?}");
+        assert_eq!(text, "event 50331649 (component 3, number 1), log levels 6 and 6, arguments 07");
+        assert_eq!(origin, "the events that uavspec knows of PX4 1.15");
+    }
 }
 
 fn check(bytes: &[u8], library: &Library) -> CaptureResult {
@@ -215,18 +297,18 @@ fn check(bytes: &[u8], library: &Library) -> CaptureResult {
 fn a_result_names_the_event_metadata_that_explains_the_events() {
     let folder = TempDir::new().expect("a folder");
     let path = folder.path().join("kite.json");
-    fs::write(&path, KITE).expect("a file");
+    fs::write(&path, METADATA).expect("a file");
     let (library, with_file) =
         (Library::built_in(), Library::built_in().with_events(EventMetadata::load(&path).expect("metadata")));
-    let hash: String = Sha256::digest(KITE).iter().map(|byte| format!("{byte:02x}")).collect();
+    let (metadata, hash) = (METADATA.as_bytes(), digest(METADATA.as_bytes()));
     let [capture, built_in] = [EventOrigin::Capture, EventOrigin::BuiltIn].map(|origin| origin.to_string());
     let file = path.to_string_lossy();
     for (log, library, expected, has_wrong_hash) in [
-        (log_with_metadata(&hash), &library, &*capture, false),
-        (log_with_metadata(&hash), &with_file, &*capture, false),
-        (log_with_metadata(&hash.replace('0', "1")), &library, &*built_in, true),
-        (log(|_| {}), &library, &*built_in, false),
-        (log(|_| {}), &with_file, &*file, false),
+        (log(metadata, Some(&hash)), &library, &*capture, false),
+        (log(metadata, Some(&hash)), &with_file, &*capture, false),
+        (log(metadata, Some(&hash.replace('0', "1"))), &library, &*built_in, true),
+        (log(b"", None), &library, &*built_in, false),
+        (log(b"", None), &with_file, &*file, false),
     ] {
         let result = check(&log, library);
         assert_eq!(result.event_metadata.as_deref(), Some(expected));

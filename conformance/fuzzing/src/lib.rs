@@ -7,6 +7,7 @@ mod body_schema_grammar;
 mod captures;
 mod conversions;
 mod definitions;
+mod events;
 mod lists;
 #[cfg(feature = "schemas")]
 mod schemas;
@@ -39,7 +40,7 @@ pub const TARGETS: &[Target] = &[
     Target {
         name: "ulog",
         check: |data| captures::starting_with(&ULOG_MAGIC, data),
-        seeds: || captures::flights(Encoding::Ulog),
+        seeds: || [events::logs(), captures::flights(Encoding::Ulog)].concat(),
     },
     Target {
         name: "mcap",
@@ -85,6 +86,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "hints", check: definitions::hints, seeds: definitions::hint_seeds },
     Target { name: "hints-grammar", check: definitions::hints_grammar, seeds: choices },
     Target { name: "translations", check: definitions::translations, seeds: definitions::translation_seeds },
+    Target { name: "event-metadata", check: events::metadata, seeds: events::seeds },
 ];
 
 /// The built-in definitions.

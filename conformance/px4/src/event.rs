@@ -1,9 +1,10 @@
 //! Events in PX4 messages, and the event metadata that says what they mean.
 
-use std::borrow::Cow;
+use std::fmt;
+use std::fs::File;
+use std::io::{self, Read};
 use std::path::Path;
 use std::sync::OnceLock;
-use std::{fmt, fs, io};
 
 use uavspec_dynamic::event::{DecodedEvent, EventError, Events};
 use uavspec_dynamic::{DynamicView, Value};
@@ -11,6 +12,7 @@ use uavspec_runtime::Number;
 use uavspec_runtime::event::{LogLevel, MAX_ARGUMENTS_SIZE};
 use uavspec_schema::diagnostic::{Level, Problem};
 use uavspec_schema::event::{decompress, is_compressed};
+use uavspec_schema::limits::MAX_EVENTS_LEN;
 use uavspec_schema::{Failure, terminal};
 
 /// The event metadata for a capture, which is read when it is first used. The metadata of another build may decode events
@@ -19,61 +21,62 @@ use uavspec_schema::{Failure, terminal};
 pub struct EventMetadata {
     /// The origin.
     pub origin: EventOrigin,
-    source: Cow<'static, [u8]>,
-    /// The events that can be decoded, and the first reason why these aren't all.
-    read: OnceLock<(Events, Option<String>)>,
+    source: &'static [u8],
+    events: OnceLock<Events>,
 }
 
 impl EventMetadata {
     /// The event metadata of uavspec, as JSON.
     pub fn built_in(json: &'static [u8]) -> Self {
-        Self { origin: EventOrigin::BuiltIn, source: Cow::Borrowed(json), read: OnceLock::new() }
+        Self { origin: EventOrigin::BuiltIn, source: json, events: OnceLock::new() }
     }
 
-    /// Reads a file with event metadata: JSON, which may be compressed with xz.
+    /// Reads a file with event metadata: JSON, which may be compressed with xz. Fails if the file is longer than 1 MiB, or if
+    /// it has mistakes.
     pub fn load(path: &Path) -> Result<Self, Failure> {
         let shown = path.to_string_lossy().into_owned();
         let failed =
             |problem: &dyn fmt::Display| Failure::new(format!("{}: {problem}", terminal::path(path)));
-        let bytes = fs::read(path).map_err(|error| failed(&error))?;
-        let (events, mistakes) = read(&bytes).map_err(|error| failed(&error))?;
-        if let Some(error) = mistakes.iter().find(|mistake| mistake.level() == Level::Error) {
+        let mut bytes = Vec::new();
+        let start = File::open(path).map(|file| file.take(MAX_EVENTS_LEN as u64 + 1));
+        start.and_then(|mut start| start.read_to_end(&mut bytes)).map_err(|error| failed(&error))?;
+        if bytes.len() > MAX_EVENTS_LEN {
+            return Err(failed(&format!("longer than {MAX_EVENTS_LEN} bytes")));
+        }
+        let (events, mistake) = read(&bytes).map_err(|error| failed(&error))?;
+        if let Some(error) = mistake {
             let path = terminal::path(path);
             let hint =
                 format!("`uavspec lint --package events --dialect events --input {path}` lists all mistakes");
-            return Err(failed(error).with_hint(hint));
+            return Err(failed(&error).with_hint(hint));
         }
-        Ok(Self { origin: EventOrigin::File(shown), source: Cow::default(), read: (events, None).into() })
+        Ok(Self { origin: EventOrigin::File(shown), source: &[], events: events.into() })
     }
 
-    /// The event metadata in a capture: JSON, which may be compressed with xz.
-    pub fn of_capture(bytes: Vec<u8>) -> Self {
-        Self { origin: EventOrigin::Capture, source: Cow::Owned(bytes), read: OnceLock::new() }
-    }
-
-    /// The events that can be decoded. Empty if the metadata can't be read.
-    pub fn events(&self) -> &Events {
-        &self.read().0
-    }
-
-    /// The first reason why not all events can be decoded.
-    pub fn mistake(&self) -> Option<&str> {
-        self.read().1.as_deref()
-    }
-
-    fn read(&self) -> &(Events, Option<String>) {
-        self.read.get_or_init(|| match read(&self.source) {
-            Ok((events, mistakes)) => {
-                let error = mistakes.iter().find(|mistake| mistake.level() == Level::Error);
-                (events, error.map(ToString::to_string))
+    /// Reads the event metadata in a capture: JSON, which may be compressed with xz. Also returns the first reason why not
+    /// all events can be decoded. Fails if no event can be decoded.
+    pub fn of_capture(bytes: &[u8]) -> io::Result<(Self, Option<Problem>)> {
+        let (events, mistake) = read(bytes)?;
+        match mistake {
+            Some(mistake) if events.is_empty() => Err(io::Error::other(mistake.to_string())),
+            mistake => {
+                let events = events.into();
+                Ok((Self { origin: EventOrigin::Capture, source: &[], events }, mistake))
             }
-            Err(error) => (Events::default(), Some(error.to_string())),
-        })
+        }
+    }
+
+    /// The events that can be decoded.
+    pub fn events(&self) -> &Events {
+        self.events.get_or_init(|| read(self.source).map(|(events, _)| events).unwrap_or_default())
     }
 }
 
-fn read(bytes: &[u8]) -> io::Result<(Events, Vec<Problem>)> {
-    Ok(Events::read(if is_compressed(bytes) { decompress(bytes)? } else { bytes.to_vec() }))
+/// Reads event metadata. Also returns the first error in it.
+fn read(bytes: &[u8]) -> io::Result<(Events, Option<Problem>)> {
+    let json = if is_compressed(bytes) { decompress(bytes)? } else { bytes.to_vec() };
+    let (events, mistakes) = Events::read(json);
+    Ok((events, mistakes.into_iter().find(|mistake| mistake.level() == Level::Error)))
 }
 
 /// The origin of event metadata.

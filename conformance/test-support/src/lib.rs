@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use std::{env, fs};
 
 use uavspec_model::clock::Clock;
-pub use uavspec_test_definitions::{extent, shared};
+pub use uavspec_test_definitions::{extent, shared, xz};
 
 /// Cargo, as from a shell. Tests have variables that describe this package. Build scripts that read them, such as that of
 /// ring, would run again, and all that depends on ring would be compiled again.

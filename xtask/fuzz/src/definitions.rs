@@ -1,4 +1,4 @@
-//! Targets for definitions and pages with tables. They read arbitrary bytes as a package, render the diagnostics, emit
+//! Targets for definitions, pages with tables, and event metadata. They read arbitrary bytes as a package, render the diagnostics, emit
 //! output and format the files.
 
 use uavspec_emit::inspect;
@@ -29,6 +29,11 @@ pub(crate) fn definitions(data: &[u8]) {
 pub(crate) fn tables(data: &[u8]) {
     let Some((first, data)) = data.split_first() else { return };
     check(Form::Table, ["md", "adoc", "txt"][usize::from(first % 3)], data);
+}
+
+/// Reads event metadata.
+pub(crate) fn events(data: &[u8]) {
+    check(Form::Events, "json", data);
 }
 
 /// Formats a definition or page. The meaning must stay the same, and a second run must change nothing. The first byte

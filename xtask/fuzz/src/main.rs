@@ -23,6 +23,7 @@ use uavspec_fuzzing::{TARGETS, Target};
 const OWN_TARGETS: &[Target] = &[
     Target { name: "definitions", check: definitions::definitions, seeds: seeds::definitions },
     Target { name: "tables", check: definitions::tables, seeds: seeds::tables },
+    Target { name: "events", check: definitions::events, seeds: seeds::events },
     Target { name: "format", check: definitions::format, seeds: seeds::files },
     Target { name: "fixes", check: definitions::fixes, seeds: seeds::files },
     Target { name: "dynamic", check: dynamic::dynamic, seeds: seeds::dynamic },

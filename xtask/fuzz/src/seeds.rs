@@ -1,6 +1,6 @@
 //! The inputs that a first run of the targets for definitions and codecs starts from.
 
-use uavspec_definitions::{FLOCKWAVE, PX4};
+use uavspec_definitions::{FLOCKWAVE, PX4, PX4_EVENTS};
 
 /// The maximum length of a page, in bytes.
 const MAX_PAGE: usize = 4 << 10;
@@ -21,6 +21,17 @@ pub(crate) fn tables() -> Vec<Vec<u8>> {
     let adoc =
         b"\x01== SYS-VER\n\n.Message fields\n[cols=\"1,1\"]\n|===\n|Field |Type\n\n|`type` |string\n|===\n";
     selected(0, &pages()).into_iter().chain([adoc.to_vec()]).collect()
+}
+
+/// Event metadata, and two files that share a component.
+pub(crate) fn events() -> Vec<Vec<u8>> {
+    let enums =
+        br#"{"version": 1, "components": {"7": {"namespace": "kite", "enums": {"side_t": {"type": "int8_t",
+        "entries": {"-1": {"name": "left", "description": "Left"}}}}}}}"#;
+    let events = br#"{"version": 2, "components": {"7": {"namespace": "kite", "event_groups": {"default": {"events": {"1": {
+        "name": "turned", "message": "{1} {2:.1m\/s}<profile name=\"dev\"> \\< {9}<\/profile>",
+        "arguments": [{"name": "side", "type": "kite::side_t"}, {"name": "speed", "type": "float"}]}}}}}}}"#;
+    vec![PX4_EVENTS.to_vec(), [&enums[..], b"\xff", events].concat()]
 }
 
 /// Definitions and pages, for the formatter and the fixes.

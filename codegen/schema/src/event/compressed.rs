@@ -1,6 +1,6 @@
 //! Event metadata as PX4 stores it: JSON, compressed with xz.
 
-use std::io::{self, Read};
+use std::io::{self, ErrorKind, Read};
 
 use lzma_rust2::XzReader;
 
@@ -19,9 +19,13 @@ pub fn is_compressed(bytes: &[u8]) -> bool {
 pub fn decompress(bytes: &[u8]) -> io::Result<Vec<u8>> {
     let mut reader = XzReader::new_mem_limit(bytes, false, MAX_XZ_MEMORY);
     let mut text = Vec::new();
-    reader.by_ref().take(MAX_EVENTS_LEN as u64).read_to_end(&mut text)?;
+    let first = reader.by_ref().take(MAX_EVENTS_LEN as u64).read_to_end(&mut text);
     // The end of the stream contains the checksum.
-    if reader.read(&mut [0])? > 0 {
+    let rest = first.and_then(|_| reader.read(&mut [0])).map_err(|error| match error.kind() {
+        ErrorKind::UnexpectedEof => io::Error::new(error.kind(), "truncated xz data"),
+        kind => io::Error::new(kind, format!("corrupt xz data: {error}")),
+    })?;
+    if rest > 0 {
         return Err(io::Error::other(format!("more than {MAX_EVENTS_LEN} bytes after decompression")));
     }
     Ok(text)

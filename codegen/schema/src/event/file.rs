@@ -7,9 +7,13 @@ use uavspec_runtime::event::MAX_SUB_ID;
 use super::json::{Located, Members, Reader};
 use super::{EventEntry, EventEnum, EventKind, scalar};
 use crate::diagnostic::{Diagnostic, Problem};
+use crate::limits::MAX_NAME_LEN;
 use crate::name::is_identifier;
 use crate::source::{SourceId, SourceMap};
 use crate::span::Span;
+
+/// The number of characters that a mistake shows of a name that is too long.
+const SHOWN_OF_NAME: usize = 20;
 
 /// The versions of the format that are known.
 const VERSIONS: [u32; 2] = [1, 2];
@@ -124,17 +128,25 @@ impl Parser {
         number
     }
 
-    /// Checks a name. An invalid name doesn't prevent reading.
-    fn check_name(
+    /// Checks a name. An invalid name doesn't prevent reading, except for one that is too long: each event states its
+    /// group, and each mistake its name.
+    fn name(
         &mut self,
-        name: &Located,
+        name: Option<Located>,
         what: &'static str,
         is_valid: impl Fn(&str) -> bool,
         form: &'static str,
-    ) {
-        if !is_valid(&name.text) {
-            self.reader.report(Problem::EventName { name: name.text.clone(), what, form }, name.span);
+    ) -> Option<Located> {
+        let Located { text, span } = name?;
+        if text.len() > MAX_NAME_LEN {
+            let name = text.chars().take(SHOWN_OF_NAME).chain(['…']).collect();
+            self.reader.report(Problem::EventName { name, what, form: "at most 255 bytes" }, span);
+            return None;
         }
+        if !is_valid(&text) {
+            self.reader.report(Problem::EventName { name: text.clone(), what, form }, span);
+        }
+        Some(Located { text, span })
     }
 
     fn component(&mut self, key: &Located, member: &ObjectProp<'_>) -> Option<ComponentSource> {
@@ -142,9 +154,7 @@ impl Parser {
         let known = ["namespace", "enums", "event_groups", "supported_protocols", "navigation_mode_groups"];
         let members = self.reader.members(&member.value, "a component", &known)?;
         let namespace = self.reader.required_text(&members, "namespace");
-        if let Some(namespace) = &namespace {
-            self.check_name(namespace, "a namespace", is_lower_name, LOWER_NAME);
-        }
+        let namespace = self.name(namespace, "a namespace", is_lower_name, LOWER_NAME);
         let enums = self.each_of(&members, "enums", Self::enumeration);
         let groups = self.each_of(&members, "event_groups", Self::group);
         let protocols = members.get("supported_protocols").and_then(|value| {
@@ -175,7 +185,8 @@ impl Parser {
 
     fn enumeration(&mut self, name: &Located, member: &ObjectProp<'_>) -> Option<EventEnum> {
         let is_type = |name: &str| is_identifier(name) && name.ends_with("_t");
-        self.check_name(name, "an enum", is_type, "letters, digits and `_`, with `_t` at the end");
+        let form = "letters, digits and `_`, with `_t` at the end";
+        let name = self.name(Some(name.clone()), "an enum", is_type, form);
         let known = ["type", "description", "is_bitfield", "separator", "entries"];
         let members = self.reader.members(&member.value, "an enum", &known)?;
         let ty = self.reader.required_text(&members, "type");
@@ -203,8 +214,9 @@ impl Parser {
             }
             !is_repeated
         });
+        let name = name?;
         Some(EventEnum {
-            name: name.text.clone(),
+            name: name.text,
             scalar,
             description,
             separator: is_bits.then(|| separator.unwrap_or_else(|| "|".to_owned())),
@@ -226,9 +238,7 @@ impl Parser {
         }
         let members = self.reader.members(&member.value, "an entry", &["name", "description", "comment"])?;
         let name = self.reader.required_text(&members, "name");
-        if let Some(name) = &name {
-            self.check_name(name, "an entry", is_lower_name, LOWER_NAME);
-        }
+        let name = self.name(name, "an entry", is_lower_name, LOWER_NAME);
         self.reader.require(&members, "description");
         let description = self.line(&members, "description");
         Some(EventEntry { value: value?, name: name?.text, description, span: key.span })
@@ -244,7 +254,7 @@ impl Parser {
     }
 
     fn group(&mut self, group: &Located, member: &ObjectProp<'_>) -> Option<Vec<EventSource>> {
-        self.check_name(group, "a group of events", is_lower_name, LOWER_NAME);
+        let group = self.name(Some(group.clone()), "a group of events", is_lower_name, LOWER_NAME)?;
         let members = self.reader.members(&member.value, "a group of events", &["events"])?;
         Some(self.each_of(&members, "events", |parser, key, member| parser.event(key, member, &group.text)))
     }
@@ -254,14 +264,7 @@ impl Parser {
         let known = ["name", "message", "description", "type", "instance_arg_index", "arguments"];
         let members = self.reader.members(&member.value, "an event", &known)?;
         let name = self.reader.required_text(&members, "name");
-        if let Some(name) = &name {
-            self.check_name(
-                name,
-                "an event",
-                is_identifier,
-                "letters, digits and `_`, and start with a letter",
-            );
-        }
+        let name = self.name(name, "an event", is_identifier, NAME);
         let message = self.reader.required_text(&members, "message");
         let description = self.reader.text(&members, "description");
         let kind = self.reader.text(&members, "type").and_then(|ty| {
@@ -303,19 +306,15 @@ impl Parser {
     fn argument(&mut self, value: &Value<'_>) -> Option<ArgumentSource> {
         let members = self.reader.members(value, "an argument", &["name", "type", "description"])?;
         let name = self.reader.required_text(&members, "name");
-        if let Some(name) = &name {
-            self.check_name(
-                name,
-                "an argument",
-                is_identifier,
-                "letters, digits and `_`, and start with a letter",
-            );
-        }
+        let name = self.name(name, "an argument", is_identifier, NAME);
         let ty = self.reader.required_text(&members, "type");
         let description = self.reader.text(&members, "description");
         Some(ArgumentSource { name: name?, ty: ty?, description })
     }
 }
+
+/// The form of the names of events and arguments.
+const NAME: &str = "letters, digits and `_`, and start with a letter";
 
 /// The form of the names of namespaces, groups and entries.
 const LOWER_NAME: &str = "lower-case letters, digits and `_`, and start with a letter";

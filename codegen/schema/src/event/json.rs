@@ -5,8 +5,9 @@ use jsonc_parser::common::{Range, Ranged};
 use jsonc_parser::{CollectOptions, ParseOptions, parse_to_ast};
 
 use crate::diagnostic::{Diagnostic, Problem};
-use crate::limits::MAX_MISTAKES;
+use crate::limits::{MAX_EVENT_VALUES, MAX_EVENTS_LEN, MAX_MISTAKES};
 use crate::span::Span;
+use crate::wording::thousands;
 
 /// A string with its location.
 #[derive(Clone, Debug)]
@@ -44,6 +45,17 @@ impl Reader {
 
     /// Parses a text, without the extensions of other JSON dialects.
     pub(super) fn parse<'s>(&mut self, text: &'s str) -> Option<Value<'s>> {
+        if text.len() > MAX_EVENTS_LEN {
+            let problem = Problem::SourceTooLong { len: text.len(), max: MAX_EVENTS_LEN };
+            self.report(problem, self.source.part(0..0));
+            return None;
+        }
+        // Each value follows one of these characters. Some are in strings, so there may be fewer values.
+        if text.bytes().filter(|byte| matches!(byte, b'{' | b'[' | b',')).count() > MAX_EVENT_VALUES {
+            let what = format!("more than {} values", thousands(MAX_EVENT_VALUES));
+            self.report(Problem::InvalidJson { what }, self.source.part(0..0));
+            return None;
+        }
         let options = ParseOptions {
             allow_comments: false,
             allow_loose_object_property_names: false,

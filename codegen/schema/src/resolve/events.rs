@@ -11,7 +11,7 @@ use super::resolver::Resolver;
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::event::file::{ArgumentSource, ComponentSource, EventSource};
 use crate::event::{COMMON, Located, scalar};
-use crate::limits::{MAX_EVENT_TEXT, MAX_MISTAKES};
+use crate::limits::{MAX_COMPARED_NAMES, MAX_EVENT_TEXT, MAX_MISTAKES};
 use crate::span::Span;
 use crate::wording::similar;
 use crate::{Event, EventArgument, EventComponent, EventEnumRef, EventKind, Form};
@@ -44,6 +44,8 @@ struct Events {
     diagnostics: Vec<Diagnostic>,
     /// The index of each component, by namespace.
     by_namespace: HashMap<String, usize>,
+    /// The number of names that were compared to find similar ones.
+    compared: usize,
 }
 
 impl Events {
@@ -225,7 +227,10 @@ impl Events {
             let problem = Problem::UnknownEventType { name: argument.ty.text.clone() };
             let known = enums.iter().map(|known| known.name.as_str());
             let mut diagnostic = Diagnostic::new(problem, argument.ty.span);
-            if let Some(similar) = similar(name, known) {
+            self.compared += enums.len();
+            if self.compared <= MAX_COMPARED_NAMES
+                && let Some(similar) = similar(name, known)
+            {
                 diagnostic = diagnostic.with_hint(format!("did you mean `{similar}`?"));
             }
             self.add(diagnostic);
@@ -292,9 +297,9 @@ impl Events {
 /// The distinct mistakes in a text of an event with this number of arguments.
 fn mistakes(text: Text<'_>, count: usize) -> Vec<String> {
     let mut found: Vec<String> = Vec::new();
-    let [has_tag, has_brace] =
-        ["<", "{"].map(|start| text.pieces().any(|piece| piece == Piece::Stray(start)));
-    for piece in text.pieces() {
+    let pieces: Vec<Piece<'_>> = text.pieces().collect();
+    let [has_tag, has_brace] = ["<", "{"].map(|start| pieces.contains(&Piece::Stray(start)));
+    for piece in pieces {
         match piece {
             Piece::Plain(plain) => {
                 // A mistake at the start explains the end.

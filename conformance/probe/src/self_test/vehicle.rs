@@ -19,6 +19,7 @@ use uavspec_live::bus::{self, Address, Bus, Event};
 use uavspec_live::vehicle::{Namespace, Options, probe, serve};
 use uavspec_model::clock::Clock;
 use uavspec_model::{ApplicationType, Findings};
+use uavspec_px4::event::EventOrigin;
 use uavspec_rules::definitions::{EventMetadata, Library};
 use uavspec_rules::px4::{Bug, Needs, Px4Rule, RULES, Side};
 
@@ -260,7 +261,9 @@ pub fn check_bus(address: &Address) -> Result<(), String> {
 /// communicate within this process.
 pub fn pairs(cases: &[Case], buses: &[Address], mut take: impl FnMut(io::Result<Row>)) {
     // The references send the events that uavspec knows.
-    let library = Library::built_in().with_events(EventMetadata::of_capture(PX4_EVENTS.to_vec()));
+    let mut events = EventMetadata::built_in(PX4_EVENTS);
+    events.origin = EventOrigin::Capture;
+    let library = Library::built_in().with_events(events);
     let free = Mutex::new(buses.to_vec());
     let work = |case: &Case| {
         let address = free.lock().unwrap_or_else(PoisonError::into_inner).pop();
