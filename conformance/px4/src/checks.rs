@@ -92,9 +92,9 @@ pub enum Step {
 /// Combines events to reports.
 #[derive(Clone, Debug, Default)]
 pub struct Reports {
-    /// The chunk of the report that has begun.
-    open: Option<u8>,
-    /// The latest report of each chunk.
+    /// The chunk of the report that has begun, with its number.
+    open: Option<(u8, Report)>,
+    /// The latest complete chunk of each number.
     chunks: BTreeMap<u8, Report>,
     latest: Option<Report>,
     /// The number of the latest event.
@@ -168,18 +168,12 @@ impl Reports {
         let report =
             Report { modes: modes.collect(), components: components.collect(), problems: Vec::new() };
         let Ok(chunk) = u8::try_from(chunk) else { return Step::Unexpected("the chunk has no valid number") };
-        if self.chunks.len() >= MAX_CHUNKS && !self.chunks.contains_key(&chunk) {
-            self.chunks.clear();
-        }
-        self.chunks.insert(chunk, report);
-        self.open = Some(chunk);
+        self.open = Some((chunk, report));
         if was_open { Step::Unexpected("the report before it has no end") } else { Step::Open }
     }
 
     fn problem(&mut self, event: &DecodedEvent<'_>) -> Step {
-        let Some(report) = self.open.and_then(|chunk| self.chunks.get_mut(&chunk)) else {
-            return Step::Unexpected("no report has begun");
-        };
+        let Some((_, report)) = &mut self.open else { return Step::Unexpected("no report has begun") };
         let (Some(modes), Some(component)) = (bits(event, 0), bits(event, 1)) else {
             return Step::Unexpected("the event has no modes or no component");
         };
@@ -192,7 +186,9 @@ impl Reports {
     }
 
     fn end(&mut self, event: &DecodedEvent<'_>) -> Step {
-        let Some(chunk) = self.open.take() else { return Step::Unexpected("no report has begun") };
+        let Some((chunk, mut report)) = self.open.take() else {
+            return Step::Unexpected("no report has begun");
+        };
         let [stated, present, error, warning] = [0, 1, 2, 3].map(|index| bits(event, index));
         let (Some(present), Some(error), Some(warning)) = (present, error, warning) else {
             return Step::Unexpected("the summary has too few arguments");
@@ -200,15 +196,17 @@ impl Reports {
         if stated != Some(chunk.into()) {
             return Step::Unexpected("it ends a chunk that has not begun");
         }
-        if let Some(report) = self.chunks.get_mut(&chunk) {
-            for (bit, component) in &mut report.components {
-                let [is_present, has_error, has_warning] =
-                    [present, error, warning].map(|mask| mask & 1 << bit != 0);
-                component.is_present = is_present;
-                component.has_error |= has_error;
-                component.has_warning |= has_warning;
-            }
+        for (bit, component) in &mut report.components {
+            let [is_present, has_error, has_warning] =
+                [present, error, warning].map(|mask| mask & 1 << bit != 0);
+            component.is_present = is_present;
+            component.has_error |= has_error;
+            component.has_warning |= has_warning;
         }
+        if self.chunks.len() >= MAX_CHUNKS && !self.chunks.contains_key(&chunk) {
+            self.chunks.clear();
+        }
+        self.chunks.insert(chunk, report);
         self.latest = self.combined();
         Step::Complete
     }
@@ -244,4 +242,189 @@ fn bits(event: &DecodedEvent<'_>, index: usize) -> Option<u64> {
 fn entries(enumeration: &EventEnum) -> impl Iterator<Item = (u32, String, String)> {
     let bits = enumeration.entries.iter().filter(|entry| entry.value > 0 && entry.value.count_ones() == 1);
     bits.map(|entry| (entry.value.trailing_zeros(), entry.name.clone(), entry.description.clone()))
+}
+
+#[cfg(test)]
+mod tests {
+    use uavspec_dynamic::event::Events;
+
+    use super::*;
+
+    /// Two modes, and the components `gps` (bit 1) and `battery` (bit 2).
+    const METADATA: &str = r#"{"version": 2, "components": {"0": {"namespace": "common",
+        "enums": {
+            "mode_t": {"type": "uint8_t", "is_bitfield": true, "entries": {
+                "1": {"name": "manual", "description": "Manual"}, "2": {"name": "auto", "description": "Auto"}}},
+            "part_t": {"type": "uint64_t", "is_bitfield": true, "entries": {
+                "2": {"name": "gps", "description": "GPS"}, "4": {"name": "battery", "description": "Battery"}}}},
+        "event_groups": {
+            "arming_check": {"events": {
+                "1": {"name": "start", "message": "Start", "type": "summary", "arguments": [
+                    {"name": "chunk_idx", "type": "uint8_t"}, {"name": "error", "type": "part_t"},
+                    {"name": "warning", "type": "part_t"}, {"name": "can_arm", "type": "mode_t"},
+                    {"name": "can_run", "type": "mode_t"}]},
+                "3": {"name": "no_fix", "message": "No fix", "arguments": [
+                    {"name": "modes", "type": "mode_t"}, {"name": "health_component_index", "type": "uint8_t"}]}}},
+            "health": {"events": {
+                "2": {"name": "end", "message": "End", "type": "summary", "arguments": [
+                    {"name": "chunk_idx", "type": "uint8_t"}, {"name": "is_present", "type": "part_t"},
+                    {"name": "error", "type": "part_t"}, {"name": "warning", "type": "part_t"}]},
+                "4": {"name": "low", "message": "Low", "arguments": [
+                    {"name": "modes", "type": "mode_t"}, {"name": "health_component_index", "type": "uint8_t"},
+                    {"name": "cell", "type": "uint8_t"}]}}},
+            "default": {"events": {"5": {"name": "other", "message": "Other"}}}}}}}"#;
+
+    /// The ids of the events.
+    const START: u32 = 1;
+    const END: u32 = 2;
+    const NO_FIX: u32 = 3;
+    const LOW: u32 = 4;
+    const OTHER: u32 = 5;
+
+    const MANUAL: i128 = 1;
+    const AUTO: i128 = 2;
+    const GPS: i128 = 2;
+    const BATTERY: i128 = 4;
+
+    /// Follows events, each with its arguments.
+    fn follow(reports: &mut Reports, events: &[(u32, &[i128])]) -> Vec<Step> {
+        let (known, mistakes) = Events::read(METADATA.into());
+        assert_eq!(mistakes, []);
+        let step = |(id, arguments): &(u32, &[i128])| {
+            let values = arguments.iter().map(|value| EventValue::Integer(*value)).collect();
+            reports.follow(&DecodedEvent::new(&known, *id, values).expect("an event"))
+        };
+        events.iter().map(step).collect()
+    }
+
+    /// The latest report after events that form reports.
+    fn report(events: &[(u32, &[i128])]) -> Report {
+        let mut reports = Reports::default();
+        let steps = follow(&mut reports, events);
+        assert!(!steps.iter().any(|step| matches!(step, Step::Unexpected(_))), "{steps:?}");
+        reports.latest().expect("a report").clone()
+    }
+
+    /// For each mode: whether the vehicle can arm, and can run.
+    fn modes(report: &Report) -> Vec<(&str, bool, bool)> {
+        report.modes.values().map(|mode| (&*mode.name, mode.can_arm, mode.can_run)).collect()
+    }
+
+    /// For each component: whether it is present, has an error, and has a warning.
+    fn components(report: &Report) -> Vec<(&str, [bool; 3])> {
+        let state = |found: &Component| [found.is_present, found.has_error, found.has_warning];
+        report.components.values().map(|found| (&*found.name, state(found))).collect()
+    }
+
+    fn ids(report: &Report) -> Vec<u32> {
+        report.problems.iter().map(|problem| problem.id).collect()
+    }
+
+    #[test]
+    fn a_report_has_the_states_of_both_summaries() {
+        let report = report(&[
+            (START, &[0, GPS, 0, MANUAL, MANUAL | AUTO]),
+            (NO_FIX, &[AUTO, 1]),
+            (OTHER, &[]),
+            (LOW, &[MANUAL | AUTO, 2, 3]),
+            (END, &[0, GPS | BATTERY, 0, BATTERY]),
+        ]);
+        assert_eq!(modes(&report), [("manual", true, true), ("auto", false, true)]);
+        let expected = [("gps", [true, true, false]), ("battery", [true, false, true])];
+        assert_eq!(components(&report), expected);
+        let problems: Vec<_> =
+            report.problems.iter().map(|problem| (problem.id, problem.modes, problem.component)).collect();
+        assert_eq!(problems, [(NO_FIX, 2, 1), (LOW, 3, 2)]);
+    }
+
+    #[test]
+    fn chunks_are_merged() {
+        let first: [(u32, &[i128]); 3] =
+            [(START, &[0, 0, 0, MANUAL | AUTO, MANUAL]), (NO_FIX, &[AUTO, 1]), (END, &[0, GPS, GPS, 0])];
+        let second: [(u32, &[i128]); 3] = [
+            (START, &[1, 0, 0, AUTO, MANUAL | AUTO]),
+            (LOW, &[MANUAL, 2, 3]),
+            (END, &[1, BATTERY, 0, BATTERY]),
+        ];
+        let both = report(&[first, second].concat());
+        // A mode needs both chunks, and a component has the state of any.
+        assert_eq!(modes(&both), [("manual", false, true), ("auto", true, false)]);
+        assert_eq!(components(&both), [("gps", [true, true, false]), ("battery", [true, false, true])]);
+        assert_eq!(ids(&both), [NO_FIX, LOW]);
+        // The next report of a chunk replaces the previous one.
+        let fixed: [(u32, &[i128]); 2] =
+            [(START, &[0, 0, 0, MANUAL | AUTO, MANUAL | AUTO]), (END, &[0, GPS, 0, 0])];
+        let next = report(&[&first[..], &second, &fixed].concat());
+        assert_eq!(modes(&next), [("manual", false, true), ("auto", true, true)]);
+        assert_eq!(components(&next)[0], ("gps", [true, false, false]));
+        assert_eq!(ids(&next), [LOW]);
+    }
+
+    #[test]
+    fn events_in_another_order_make_no_report() {
+        let start: (u32, &[i128]) = (START, &[0, 0, 0, 0, 0]);
+        let end: (u32, &[i128]) = (END, &[0, 0, 0, 0]);
+        for (events, expected) in [
+            (vec![end], Step::Unexpected("no report has begun")),
+            (vec![(NO_FIX, &[AUTO, 1][..])], Step::Unexpected("no report has begun")),
+            (vec![start, start], Step::Unexpected("the report before it has no end")),
+            (
+                vec![start, (END, &[1, 0, 0, 0])],
+                Step::Unexpected("it ends another chunk than the one that has begun"),
+            ),
+            (vec![(START, &[0, 0])], Step::Unexpected("the summary has too few arguments")),
+            (vec![(START, &[300, 0, 0, 0, 0])], Step::Unexpected("the chunk has no valid number")),
+            (vec![start, (NO_FIX, &[AUTO])], Step::Unexpected("the event has no modes or no component")),
+            (vec![(OTHER, &[])], Step::Unrelated),
+        ] {
+            let mut reports = Reports::default();
+            assert_eq!(follow(&mut reports, &events).last(), Some(&expected), "{events:?}");
+            assert_eq!(reports.latest(), None, "{events:?}");
+        }
+    }
+
+    #[test]
+    fn an_incomplete_chunk_does_not_count() {
+        let mut reports = Reports::default();
+        follow(&mut reports, &[(START, &[0, 0, 0, 0, 0]), (NO_FIX, &[AUTO, 1])]);
+        reports.interrupt();
+        let chunk = [(START, &[1, 0, 0, MANUAL, MANUAL][..]), (END, &[1, 0, 0, 0])];
+        assert_eq!(follow(&mut reports, &chunk), [Step::Open, Step::Complete]);
+        let report = reports.latest().expect("a report");
+        assert_eq!((modes(report)[0], report.problems.len()), (("manual", true, true), 0));
+        // A report that begins anew has only the problems after its start.
+        follow(&mut reports, &[chunk[0], (NO_FIX, &[AUTO, 1]), chunk[0], (LOW, &[AUTO, 2, 3]), chunk[1]]);
+        assert_eq!(ids(reports.latest().expect("a report")), [LOW]);
+    }
+
+    #[test]
+    fn the_difference_of_reports_is_what_appeared_and_what_went() {
+        let with = |problems: &[(u32, &[i128])]| {
+            let start = [(START, &[0, 0, 0, 0, 0][..])];
+            report(&[&start[..], problems, &[(END, &[0, 0, 0, 0])]].concat())
+        };
+        let before = with(&[(NO_FIX, &[AUTO, 1]), (LOW, &[AUTO, 2, 3])]);
+        let after = with(&[(LOW, &[AUTO, 2, 3]), (LOW, &[AUTO, 2, 4])]);
+        let without = |problems: &Report, known: &Report| {
+            problems.problems.iter().filter(|problem| !known.problems.contains(problem)).count()
+        };
+        assert_eq!((without(&after, &before), without(&before, &after)), (1, 1));
+        let not_a_number = |bits: u32| Problem {
+            values: vec![EventValue::Float(f32::from_bits(bits))],
+            ..before.problems[0].clone()
+        };
+        assert_eq!(not_a_number(0x7fc0_0000), not_a_number(0x7fc0_0000));
+        assert_ne!(not_a_number(0x7fc0_0000), not_a_number(0x7fc0_0001));
+    }
+
+    #[test]
+    fn the_size_of_a_report_is_limited() {
+        let mut reports = Reports::default();
+        for chunk in 0..40 {
+            follow(&mut reports, &[(START, &[chunk, 0, 0, 0, 0])]);
+            follow(&mut reports, &[(NO_FIX, &[AUTO, 1][..]); 300]);
+            follow(&mut reports, &[(END, &[chunk, 0, 0, 0])]);
+            assert!(ids(reports.latest().expect("a report")).len() <= MAX_CHUNKS * MAX_PROBLEMS);
+        }
+    }
 }

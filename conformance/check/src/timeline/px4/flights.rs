@@ -131,8 +131,10 @@ impl Flights {
             }
         } else if was_armed.is_some() {
             let reason = self.reason(1, time).or_else(|| stated("latest_disarming_reason"));
-            if let Some(flight) = self.overview.flights.last_mut() {
-                flight.disarmed_us.get_or_insert(instant(time));
+            // Without room for another flight, the last one has already ended.
+            let open = self.overview.flights.last_mut().filter(|flight| flight.disarmed_us.is_none());
+            if let Some(flight) = open {
+                flight.disarmed_us = Some(instant(time));
                 flight.disarmed_by = reason;
             }
         }
@@ -250,4 +252,284 @@ pub fn refused_modes(report: &Report, metadata: &EventMetadata, texts: &Texts) -
         Refused { number: *bit, mode: part(mode), reasons }
     });
     refused.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::{Value, json};
+    use uavspec_dynamic::Types;
+    use uavspec_dynamic::event::{EventValue, Events};
+    use uavspec_model::Location;
+    use uavspec_px4::checks::ModeGroup;
+    use uavspec_schema::msg::Dialect;
+    use uavspec_schema::{Form, PackageInput, SourceMap, read};
+
+    use super::*;
+
+    const SECOND: u64 = 1_000_000;
+
+    /// The time of the start.
+    const START: u64 = 10 * SECOND;
+
+    const DISARMED: u8 = 1;
+    const ARMED: u8 = 2;
+
+    /// The bits of two modes.
+    const MANUAL: u32 = 0;
+    const AUTO: u32 = 3;
+
+    fn types() -> Types {
+        let mut sources = SourceMap::default();
+        let mut add = |name: &str, text: &str| sources.add(name, text.into()).expect("a text");
+        let files = vec![
+            add("VehicleStatus.msg", "uint64 timestamp\nuint8 arming_state\nuint8 nav_state\n"),
+            add("VehicleLandDetected.msg", "uint64 timestamp\nbool landed\n"),
+        ];
+        let package = PackageInput::new("px4", Form::Msg(Dialect::Px4), files);
+        Types::new(&read(&sources, &[package]).0)
+    }
+
+    /// A vehicle whose messages are followed. Times are in seconds since the start.
+    struct Vehicle {
+        types: Types,
+        flights: Flights,
+        /// The channel of the next state.
+        channel: usize,
+    }
+
+    impl Vehicle {
+        fn new() -> Self {
+            Self { types: types(), flights: Flights::default(), channel: 0 }
+        }
+
+        fn status(&mut self, second: u64, arming_state: u8, mode: u32) {
+            let channel = Channel {
+                index: self.channel,
+                topic: "vehicle_status",
+                full_topic: "vehicle_status",
+                multi_id: None,
+                definition: None,
+                version: None,
+                location: Location::Byte(0),
+            };
+            let value = json!({ "timestamp": 0, "arming_state": arming_state, "nav_state": mode });
+            let ty = self.types.find("px4", "VehicleStatus").expect("a type");
+            let message = ty.from_json(&value).expect("a message");
+            let stated = |field: &str| Some(Part::new(field.to_owned(), None));
+            self.flights.status(&channel, message.view(), START + second * SECOND, stated);
+        }
+
+        fn landed(&mut self, second: u64, landed: bool) {
+            let ty = self.types.find("px4", "VehicleLandDetected").expect("a type");
+            let value = ty.from_json(&json!({ "timestamp": 0, "landed": landed })).expect("a message");
+            self.flights.landed(value.view(), START + second * SECOND);
+        }
+
+        /// Receives the event that says who armed or disarmed the vehicle.
+        fn event(&mut self, second: u64, name: &str) {
+            let event =
+                json!({ "name": name, "message": "m", "arguments": [{ "name": "by", "type": "by_t" }] });
+            let entries = json!({ "7": { "name": "stick", "description": "Stick" } });
+            let (events, mistakes) = Events::read(metadata(&event, &entries).to_string().into_bytes());
+            assert_eq!(mistakes, []);
+            let event = DecodedEvent::new(&events, 1, vec![EventValue::Integer(7)]).expect("an event");
+            self.flights.event(&event, START + second * SECOND);
+        }
+
+        /// Receives a report: the modes in which the vehicle can't arm, and the problems, each with its modes as a mask.
+        fn report(&mut self, second: u64, refused: &[u32], problems: &[(&str, u64)]) {
+            let mode = |bit: u32| ModeGroup {
+                name: format!("mode{bit}"),
+                description: String::new(),
+                can_arm: !refused.contains(&bit),
+                can_run: true,
+            };
+            let modes = [MANUAL, AUTO].map(|bit| (bit, mode(bit))).into();
+            let problem = |modes: u64| Problem { id: 1, values: Vec::new(), modes, component: 0 };
+            let all: Vec<(Part, Problem)> = problems
+                .iter()
+                .map(|(name, modes)| (Part::new((*name).to_owned(), None), problem(*modes)))
+                .collect();
+            let blocking: Vec<Blocking<'_>> =
+                all.iter().map(|(part, problem)| Blocking { problem, part: part.clone() }).collect();
+            let report = Report { modes, ..Report::default() };
+            self.flights.report(&report, &blocking, START + second * SECOND);
+        }
+
+        fn finish(self) -> Overview {
+            self.flights.finish(START).expect("a single vehicle")
+        }
+    }
+
+    fn metadata(event: &Value, entries: &Value) -> Value {
+        json!({ "version": 2, "components": { "0": {
+            "namespace": "common",
+            "enums": { "by_t": { "type": "uint8_t", "entries": entries } },
+            "event_groups": { "default": { "events": { "1": event } } },
+        } } })
+    }
+
+    fn seconds(time: Option<i64>) -> Option<i64> {
+        time.map(|time| time / SECOND.cast_signed())
+    }
+
+    /// The time of arming and of disarming of each flight.
+    fn times(overview: &Overview) -> Vec<(Option<i64>, Option<i64>)> {
+        let times = |flight: &Flight| (seconds(flight.armed_us), seconds(flight.disarmed_us));
+        overview.flights.iter().map(times).collect()
+    }
+
+    /// The text of a reason, or its name.
+    fn text(part: Option<&Part>) -> &str {
+        part.map_or("", |part| part.label.as_ref().map_or(&*part.name, |label| &*label.text))
+    }
+
+    /// A refusal: the mode, the time at which it began and ended, whether the mode was selected, and the reasons.
+    type Row<'o> = (&'o str, Option<i64>, Option<i64>, bool, Vec<&'o str>);
+
+    fn refusals(overview: &Overview) -> Vec<Row<'_>> {
+        let mut all = Vec::new();
+        for Refusal { mode, is_selected, from_us, until_us, reasons } in &overview.refusals {
+            let reasons = reasons.iter().map(|part| &*part.name).collect();
+            all.push((&*mode.name, seconds(Some(*from_us)), seconds(*until_us), *is_selected, reasons));
+        }
+        all
+    }
+
+    #[test]
+    fn a_flight_lasts_while_the_vehicle_is_armed() {
+        let mut vehicle = Vehicle::new();
+        vehicle.landed(0, true);
+        for (armed, took_off, landed, disarmed) in [(2, 4, 8, 9), (20, 21, 22, 23)] {
+            vehicle.status(armed - 1, DISARMED, MANUAL);
+            vehicle.status(armed, ARMED, MANUAL);
+            vehicle.landed(took_off, false);
+            vehicle.status(took_off, ARMED, AUTO);
+            vehicle.landed(landed, true);
+            vehicle.status(disarmed, DISARMED, AUTO);
+        }
+        // Lifted by hand.
+        vehicle.landed(30, false);
+        let overview = vehicle.finish();
+        assert_eq!(times(&overview), [(Some(2), Some(9)), (Some(20), Some(23))]);
+        let [first, second] = &overview.flights[..] else { panic!("two flights") };
+        assert_eq!((&first.takeoffs_us[..], &first.landings_us[..]), (&[4_000_000][..], &[8_000_000][..]));
+        assert_eq!(
+            (&second.takeoffs_us[..], &second.landings_us[..]),
+            (&[21_000_000][..], &[22_000_000][..])
+        );
+        assert!(!overview.has_reports && overview.refusals.is_empty());
+    }
+
+    #[test]
+    fn a_flight_may_begin_before_the_capture_and_end_after_it() {
+        let mut vehicle = Vehicle::new();
+        vehicle.status(1, ARMED, MANUAL);
+        vehicle.status(5, DISARMED, MANUAL);
+        vehicle.status(7, ARMED, MANUAL);
+        let overview = vehicle.finish();
+        assert_eq!(times(&overview), [(None, Some(5)), (Some(7), None)]);
+        assert_eq!(text(overview.flights[0].armed_by.as_ref()), "");
+        assert_eq!(text(overview.flights[1].disarmed_by.as_ref()), "");
+    }
+
+    #[test]
+    fn the_reason_is_that_of_an_event_nearby_or_else_of_the_message() {
+        for (armed_event, disarmed_event, expected) in [
+            (9, 21, ["Stick", "Stick"]),
+            (11, 19, ["Stick", "Stick"]),
+            (5, 29, ["latest_arming_reason", "latest_disarming_reason"]),
+        ] {
+            let mut vehicle = Vehicle::new();
+            vehicle.status(1, DISARMED, MANUAL);
+            for second in 2..30 {
+                vehicle.status(second, if (10..20).contains(&second) { ARMED } else { DISARMED }, MANUAL);
+                if second == armed_event {
+                    vehicle.event(second, ARMED_BY);
+                }
+                if second == disarmed_event {
+                    vehicle.event(second, DISARMED_BY);
+                }
+            }
+            let overview = vehicle.finish();
+            let [flight] = &overview.flights[..] else { panic!("one flight") };
+            assert_eq!([&flight.armed_by, &flight.disarmed_by].map(|part| text(part.as_ref())), expected);
+        }
+    }
+
+    #[test]
+    fn a_refusal_lasts_until_a_report_allows_arming() {
+        let mut vehicle = Vehicle::new();
+        vehicle.status(0, DISARMED, AUTO);
+        vehicle.report(1, &[MANUAL, AUTO], &[("no_fix", 1 << AUTO), ("low", 1 << AUTO | 1 << MANUAL)]);
+        vehicle.report(2, &[AUTO], &[("no_fix", 1 << AUTO), ("no_home", 1 << AUTO)]);
+        vehicle.report(4, &[], &[]);
+        vehicle.report(5, &[MANUAL], &[("low", 1 << MANUAL)]);
+        let overview = vehicle.finish();
+        let expected = [
+            ("mode0", Some(1), Some(2), false, vec!["low"]),
+            ("mode3", Some(1), Some(4), true, vec!["no_fix", "low", "no_home"]),
+            ("mode0", Some(5), None, false, vec!["low"]),
+        ];
+        assert_eq!(refusals(&overview), expected);
+        assert!(overview.has_reports && overview.flights.is_empty());
+    }
+
+    #[test]
+    fn arming_ends_all_refusals() {
+        let mut vehicle = Vehicle::new();
+        vehicle.status(0, DISARMED, MANUAL);
+        vehicle.report(1, &[AUTO], &[("no_fix", 1 << AUTO)]);
+        vehicle.status(3, ARMED, MANUAL);
+        vehicle.report(4, &[AUTO], &[("no_fix", 1 << AUTO)]);
+        let overview = vehicle.finish();
+        assert_eq!(refusals(&overview), [("mode3", Some(1), Some(3), false, vec!["no_fix"])]);
+        assert_eq!(times(&overview), [(Some(3), None)]);
+    }
+
+    #[test]
+    fn a_problem_of_all_modes_is_a_reason_only_without_others() {
+        let all = u64::from(u32::MAX);
+        for (problems, expected) in
+            [(vec![("warning", all), ("no_fix", 1 << AUTO)], "no_fix"), (vec![("warning", all)], "warning")]
+        {
+            let mut vehicle = Vehicle::new();
+            vehicle.status(0, DISARMED, MANUAL);
+            vehicle.report(1, &[AUTO], &problems);
+            let overview = vehicle.finish();
+            assert_eq!(refusals(&overview)[0].4, [expected]);
+        }
+    }
+
+    #[test]
+    fn there_is_no_overview_without_the_state_of_a_single_vehicle() {
+        let mut vehicle = Vehicle::new();
+        vehicle.report(1, &[AUTO], &[]);
+        vehicle.landed(2, false);
+        vehicle.event(2, ARMED_BY);
+        assert_eq!(vehicle.flights.finish(START), None);
+        let mut vehicle = Vehicle::new();
+        vehicle.status(1, DISARMED, MANUAL);
+        vehicle.channel = 1;
+        vehicle.status(2, ARMED, MANUAL);
+        assert_eq!(vehicle.flights.finish(START), None);
+    }
+
+    #[test]
+    fn the_last_flight_stays_the_same_if_there_are_too_many() {
+        let mut vehicle = Vehicle::new();
+        let last = 2 * u64::try_from(MAX_FLIGHTS).expect("a number");
+        for second in 0..last {
+            vehicle.status(second, if second % 2 == 0 { DISARMED } else { ARMED }, MANUAL);
+        }
+        vehicle.status(last, DISARMED, MANUAL);
+        vehicle.status(last + 1, ARMED, MANUAL);
+        vehicle.event(last + 7, DISARMED_BY);
+        vehicle.status(last + 8, DISARMED, MANUAL);
+        let overview = vehicle.finish();
+        assert_eq!(overview.flights.len(), MAX_FLIGHTS);
+        let flight = &overview.flights[MAX_FLIGHTS - 1];
+        assert_eq!(seconds(flight.disarmed_us), Some(last.cast_signed()));
+        assert_eq!(text(flight.disarmed_by.as_ref()), "latest_disarming_reason");
+    }
 }
