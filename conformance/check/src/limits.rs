@@ -112,6 +112,9 @@ pub(crate) const MAX_VALUES: usize = 500;
 /// The maximum length of the name of a lane, in characters.
 pub(crate) const MAX_LANE_NAME: usize = 160;
 
+/// The maximum number of events of PX4 that are stored, in addition to the changes of their lane.
+pub(crate) const MAX_EVENTS: usize = 100_000;
+
 /// The maximum number of components whose names are stored. PX4 supports far fewer components.
 pub(crate) const MAX_COMPONENTS: usize = 256;
 

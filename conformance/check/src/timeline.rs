@@ -35,8 +35,8 @@ pub use self::label::{Item, Label, Texts};
 use self::lane::Lanes;
 pub use self::lane::{Change, Lane, LaneKind, Part, Severity, Value};
 pub use self::px4::{
-    Flight, Overview, Refusal, Refused, flags, number, refused_modes, reply_events, required_flags,
-    state_value, text, topic_name,
+    Flight, Overview, Refusal, Refused, SentEvent, flags, full_name, number, refused_modes, reply_events,
+    required_flags, state_value, text, topic_name,
 };
 use self::px4::{Px4, TOPICS};
 pub(crate) use self::px4::{REPLY, contains_events};
@@ -83,6 +83,12 @@ pub struct Timeline {
     pub lanes: Vec<Lane>,
     /// The number of values without a lane, because there are too many lanes.
     pub values_without_lane: u64,
+    /// The first events that PX4 sent, in the order of the capture.
+    #[serde(skip)]
+    pub events: Vec<SentEvent>,
+    /// The event metadata that explains them.
+    #[serde(skip)]
+    pub metadata: Arc<EventMetadata>,
     /// True if the times of a report are in UTC instead of relative to the start.
     #[serde(skip)]
     pub is_session: bool,
@@ -284,6 +290,8 @@ impl<'t> Follower<'t> {
             topics,
             values_without_lane,
             overview: self.px4.flights.finish(start),
+            events: self.px4.events.finish(start, &lanes),
+            metadata: self.metadata,
             lanes,
             is_session,
             clock: result.clock,

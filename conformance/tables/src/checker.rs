@@ -13,12 +13,12 @@ use uavspec_model::clock::Clock;
 use uavspec_model::text::shown_url;
 use uavspec_report::timeline::{to_json, to_text};
 use uavspec_report::{Action, CheckedCapture, Origin, Report, Settings, Subject, Unreadable};
-use uavspec_rules::definitions::Library;
+use uavspec_rules::definitions::{EventMetadata, Library};
 use uavspec_schema::Failure;
 
 use super::messages::{self, Messages};
-use super::rows::{Rows, TABLES};
-use super::{failures, find, timeline};
+use super::rows::{Rows, TABLES, is_of_timeline};
+use super::{events, failures, find, timeline};
 
 /// The language of the labels in the text of a timeline.
 const ENGLISH: &str = "en";
@@ -28,6 +28,8 @@ const ENGLISH: &str = "en";
 pub struct Options {
     /// A release such as `px4@1.16`, or the path of definitions. By default, they are chosen for each capture.
     pub definitions: Option<PathBuf>,
+    /// A file with event metadata, for captures that don't contain their own.
+    pub events: Option<PathBuf>,
     /// The folders with JSON Schemas for other Flockwave types. They require the feature `schemas`.
     pub schemas: Vec<PathBuf>,
     /// True if formats that differ from the definitions count as violations.
@@ -87,7 +89,7 @@ impl std::error::Error for Problem {}
 pub struct Tables(Vec<(&'static str, RecordBatch)>);
 
 impl Tables {
-    /// The table with this name. `timeline` exists only if the options ask for it.
+    /// The table with this name. `timeline` and `events` exist only if the options ask for the timeline.
     pub fn get(&self, name: &str) -> Option<&RecordBatch> {
         self.iter().find(|(known, _)| *known == name).map(|(_, batch)| batch)
     }
@@ -101,8 +103,7 @@ impl Tables {
         rows.sort();
         let failed = |error: arrow_schema::ArrowError| Problem::new(error.to_string());
         let batches = TABLES.into_iter().zip(rows.batches().map_err(failed)?);
-        let mut tables: Vec<_> =
-            batches.filter(|(name, _)| has_timeline || *name != timeline::TABLE.name).collect();
+        let mut tables: Vec<_> = batches.filter(|(name, _)| has_timeline || !is_of_timeline(name)).collect();
         tables.push((failures::TABLE.name, failures::TABLE.batch(failures).map_err(failed)?));
         Ok(Self(tables))
     }
@@ -126,6 +127,8 @@ pub struct Timeline {
     pub json: String,
     /// The table `timeline`.
     pub timeline: RecordBatch,
+    /// The table `events`.
+    pub events: RecordBatch,
 }
 
 /// Checks captures against definitions, which are read once.
@@ -151,12 +154,16 @@ impl Checker {
     /// Reads the definitions.
     ///
     /// # Errors
-    /// Fails if the definitions or schemas can't be read.
+    /// Fails if the definitions, the schemas or the event metadata can't be read.
     pub fn new(options: &Options) -> Result<Self, Problem> {
         let path = options.definitions.as_deref();
         let library = path.map_or_else(|| Ok(Library::built_in()), |path| Library::load(path, None))?;
         let library =
             library.with_schemas(&options.schemas).map_err(|error| Problem::new(error.to_string()))?;
+        let library = match &options.events {
+            Some(path) => library.with_events(EventMetadata::load(path)?),
+            None => library,
+        };
         let texts = if options.has_timeline { Some(Texts::load(path)?) } else { None };
         let settings = Settings {
             are_formats_strict: options.are_formats_strict,
@@ -218,10 +225,12 @@ impl Checker {
             .map_err(|error| failed(&error))?;
         let timeline = timeline.map_err(|reason| failed(&reason))?;
         let changes = timeline::TABLE.batch(&timeline::TimelineRow::of(&timeline).collect::<Vec<_>>());
+        let events = events::TABLE.batch(&events::EventRow::of(&timeline).collect::<Vec<_>>());
         Ok(Timeline {
             text: to_text(&timeline, ENGLISH),
             json: to_json(&timeline),
             timeline: changes.map_err(|error| failed(&error))?,
+            events: events.map_err(|error| failed(&error))?,
         })
     }
 

@@ -27,7 +27,7 @@ use uavspec_report::{Origin, Subject, TableFormat, Unreadable};
 use uavspec_schema::stage::{Stage, write_file};
 
 use super::done::Done;
-use super::rows::{Rows, TABLES};
+use super::rows::{Rows, TABLES, is_of_timeline};
 use super::{captures, failures, timeline};
 
 /// The maximum number of captures in a part. A run that is killed loses the results of fewer captures.
@@ -184,7 +184,7 @@ impl Dataset {
         let mut rows = std::mem::take(&mut self.rows);
         rows.sort();
         for (table, batch) in TABLES.iter().zip(rows.batches().map_err(io::Error::other)?) {
-            if *table == timeline::TABLE.name && !self.has_timeline {
+            if is_of_timeline(table) && !self.has_timeline {
                 continue;
             }
             self.write_file(table, self.parts, &batch)?;

@@ -16,6 +16,7 @@ mod checker;
 mod column;
 mod dataset;
 mod done;
+mod events;
 mod failures;
 mod find;
 mod findings;

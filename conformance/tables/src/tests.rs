@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use arrow_array::RecordBatch;
 use arrow_array::cast::AsArray as _;
-use arrow_array::types::UInt8Type;
+use arrow_array::types::{Int64Type, UInt8Type};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use tempfile::TempDir;
 use uavspec_check::check_capture;
@@ -20,9 +20,9 @@ use uavspec_rules::sample::Flight;
 use uavspec_test_support::extent;
 
 use super::column::Table;
-use super::rows::TABLES;
+use super::rows::{TABLES, is_of_timeline};
 use super::{
-    Capture, Checker, Dataset, Done, Options, captures, failures, findings, rules, timeline, topics,
+    Capture, Checker, Dataset, Done, Options, captures, events, failures, findings, rules, timeline, topics,
 };
 
 /// The page of the guide that describes the tables.
@@ -101,7 +101,7 @@ fn parts_contain_all_rows_of_their_captures() {
     let (folder, subjects) = (TempDir::new().expect("a folder"), &*SUBJECTS);
     let many: Vec<&Subject> = subjects.iter().cycle().take(600).collect();
     write(folder.path(), many.iter().copied());
-    for table in TABLES.into_iter().filter(|table| *table != timeline::TABLE.name) {
+    for table in TABLES.into_iter().filter(|table| !is_of_timeline(table)) {
         assert_eq!(files(folder.path(), table).len(), 3, "{table}");
     }
     let last = texts(folder.path(), "captures", "capture");
@@ -339,6 +339,71 @@ fn messages_of_a_topic_are_rows() {
     );
 }
 
+/// A checker with metadata of the event 7, and the path of the metadata.
+fn checker_of_events(folder: &TempDir, description: &str) -> (Checker, PathBuf) {
+    let path = folder.path().join("kite.json");
+    let json = format!(
+        r#"{{"version": 2, "components": {{"0": {{"namespace": "common", "event_groups": {{"default": {{"events": {{
+        "7": {{"name": "kite_landed", "message": "The kite landed at {{1:.1m/s}}", "description": "{description}",
+        "arguments": [{{"name": "speed", "type": "float"}}, {{"name": "place", "type": "int8_t"}}]}}}}}}}}}}}}}}"#
+    );
+    fs::write(&path, json).expect("a file");
+    let options = Options { events: Some(path.clone()), has_timeline: true, ..Options::default() };
+    (Checker::new(&options).expect("event metadata"), path)
+}
+
+/// Events with these ids, which are numbered from 8.
+fn events_with(ids: impl IntoIterator<Item = u8>) -> Capture {
+    let arguments = [&[0, 0, 0xa0, 0x3f, 0xff][..], &[0; 20]].concat();
+    let event = |(sequence, id)| {
+        format!(
+            "{{\"type\": \"px4/Event\", \"message\": {{\"timestamp\": {sequence}, \"id\": {id}, \"event_sequence\": \
+             {sequence}, \"arguments\": {arguments:?}, \"log_levels\": 70}}}}"
+        )
+    };
+    let bytes = (8..).zip(ids).map(event).collect::<Vec<_>>().join("\n").into_bytes();
+    Capture::Bytes { name: "kite.jsonl".to_owned(), bytes: bytes.into() }
+}
+
+#[test]
+fn the_texts_of_events_are_limited() {
+    let folder = TempDir::new().expect("a folder");
+    let (checker, _) = checker_of_events(&folder, &"x".repeat(4_000));
+    let events = checker.explain(&events_with([7; 4_500])).expect("a timeline").events;
+    assert!((4_000..4_200).contains(&events.num_rows()), "{} rows", events.num_rows());
+}
+
+#[test]
+fn events_are_rows_with_their_texts() {
+    let folder = TempDir::new().expect("a folder");
+    let (checker, path) = checker_of_events(&folder, "On grass.");
+    let capture = events_with([7, 5]);
+    let tables = checker.check(&capture).expect("bytes").tables;
+    let events = tables.get("events").expect("a table");
+    let explained = checker.explain(&capture).expect("a timeline").events;
+    assert_eq!((events.num_rows(), explained.num_rows()), (2, 2));
+    let text = |column: &str| {
+        let array = events.column_by_name(column).expect("a column").as_string::<i32>().clone();
+        array.iter().map(|text| text.map(str::to_owned)).collect::<Vec<_>>()
+    };
+    // An event without a name comes first.
+    for (column, expected) in [
+        ("name", "common::kite_landed"),
+        ("event_group", "default"),
+        ("message", "The kite landed at 1.2 m/s"),
+        ("description", "On grass."),
+        ("arguments", r#"{"speed":1.25,"place":-1}"#),
+    ] {
+        assert_eq!(text(column), [None, Some(expected.to_owned())], "{column}");
+    }
+    for (column, expected) in [("level", "info"), ("log_level", "warning")] {
+        assert_eq!(text(column), [Some(expected.to_owned()), Some(expected.to_owned())], "{column}");
+    }
+    assert_eq!(text("event_metadata")[0].as_deref(), path.to_str());
+    let sequences = events.column_by_name("sequence").expect("a column").as_primitive::<Int64Type>();
+    assert_eq!(sequences.values()[..], [9, 8]);
+}
+
 /// A table of the columns, for the guide.
 fn described<R>(table: &Table<R>) -> String {
     let mut text = format!(
@@ -362,6 +427,7 @@ fn described<R>(table: &Table<R>) -> String {
 fn the_guide_lists_all_columns() {
     let tables = [
         described(&captures::TABLE),
+        described(&events::TABLE),
         described(&failures::TABLE),
         described(&findings::TABLE),
         described(&rules::TABLE),

@@ -38,6 +38,14 @@ fn engines_run_the_queries_of_the_guide() {
     let flight = flight.log().to_bytes();
     let timeline = Timeline::of_bytes(&flight, &definitions, &texts).expect("a timeline");
     tables.add(&subjects[0], &Origin::default(), Some(&timeline));
+    // An arming check that fails.
+    let event = format!(
+        r#"{{"type": "px4/Event", "message": {{"timestamp": 9, "id": 22222072, "event_sequence": 1, "arguments": {:?},
+        "log_levels": 51}}}}"#,
+        [0; 25]
+    );
+    let timeline = Timeline::of_bytes(event.as_bytes(), &definitions, &texts).expect("a timeline");
+    tables.add(&subjects[0], &Origin::default(), Some(&timeline));
     tables.finish().expect("written");
     let output = Command::new(python("table-engines", &ENGINES))
         .arg(root.join("tests/engines/queries.py"))
@@ -47,5 +55,5 @@ fn engines_run_the_queries_of_the_guide() {
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{errors}");
     // Each query ran in each engine.
-    assert_eq!(String::from_utf8_lossy(&output.stdout).lines().count(), 9, "{errors}");
+    assert_eq!(String::from_utf8_lossy(&output.stdout).lines().count(), 11, "{errors}");
 }

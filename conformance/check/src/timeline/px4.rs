@@ -6,6 +6,7 @@ mod flights;
 mod requirements;
 
 use std::collections::{BTreeSet, HashMap};
+use std::sync::Arc;
 
 use uavspec_dynamic::{DynamicView, Value as FieldValue};
 use uavspec_model::{Channel, Message};
@@ -19,6 +20,7 @@ use uavspec_schema::{Form, MessageId};
 pub(crate) use self::arming::{REPLY, contains_events};
 pub use self::arming::{reply_events, text};
 pub(super) use self::events::logged_text;
+pub use self::events::{SentEvent, full_name};
 use self::flights::Flights;
 pub use self::flights::{Flight, Overview, Refusal, Refused, refused_modes};
 use self::requirements::Requirements;
@@ -140,7 +142,7 @@ pub(super) struct Px4 {
     carriers: HashMap<String, usize>,
     requirements: Requirements,
     arming: arming::Arming,
-    events: events::Events,
+    pub(super) events: events::Events,
     pub(super) flights: Flights,
 }
 
@@ -148,7 +150,7 @@ pub(super) struct Px4 {
 struct Open {
     topic: usize,
     /// The instance in a log; otherwise, the topic with its namespace.
-    subject: String,
+    subject: Arc<str>,
     definition: MessageId,
     /// The fields that make lanes, once the first message has arrived.
     watched: Option<Vec<Watched>>,
@@ -172,7 +174,7 @@ impl Px4 {
         self.channels.resize_with(count, || None);
         let open = topic_of(channel, definitions).zip(channel.definition).map(|(topic, definition)| Open {
             topic,
-            subject: self.subject(channel),
+            subject: self.subject(channel).into(),
             definition,
             watched: None,
         });

@@ -1,5 +1,7 @@
 //! Events: what PX4 says, and the health and arming reports that events make up.
 
+use std::sync::Arc;
+
 use uavspec_dynamic::DynamicView;
 use uavspec_dynamic::event::DecodedEvent;
 use uavspec_px4::checks::{Component, ModeGroup, Problem, Reports, Step};
@@ -8,6 +10,7 @@ use uavspec_runtime::event::LogLevel;
 
 use super::flights::{Flights, refused_modes};
 use super::{RANKS, rank_of};
+use crate::limits::MAX_EVENTS;
 use crate::timeline::context::Context;
 use crate::timeline::label::{Label, Texts};
 use crate::timeline::lane::{Lane, LaneKind, Lanes, Part, Severity, Value};
@@ -22,9 +25,22 @@ const MODES: &str = "Arming";
 const COMPONENTS: &str = "Health";
 const PROBLEMS: &str = "Problems";
 
+/// An event that PX4 sent.
+#[derive(Clone, Debug)]
+pub struct SentEvent {
+    /// The time since the start, in µs. Negative if it is earlier.
+    pub time_us: i64,
+    /// The instance in a log, or the topic, if there are several.
+    pub subject: Option<Arc<str>>,
+    /// The event.
+    pub event: RawEvent,
+}
+
 /// Follows the events of a channel.
 #[derive(Default)]
-pub(super) struct Events {
+pub(in crate::timeline) struct Events {
+    /// The first events, each with its time and its subject.
+    listed: Vec<(u64, Arc<str>, RawEvent)>,
     reports: Reports,
     /// The problems of the latest report, each with its lane.
     problems: Vec<(Problem, usize)>,
@@ -35,12 +51,15 @@ impl Events {
     pub(super) fn event(
         &mut self,
         values: DynamicView<'_>,
-        subject: &str,
+        subject: &Arc<str>,
         flights: &mut Flights,
         context: &mut Context<'_>,
     ) {
         let lane = context.lane((TOPIC, subject, TOPIC), rank_of(TOPIC), LaneKind::Event);
         let Some(raw) = RawEvent::read(values) else { return };
+        if self.listed.len() < MAX_EVENTS {
+            self.listed.push((context.time, Arc::clone(subject), raw));
+        }
         let decoded = raw.decode(context.metadata.events()).ok();
         let step = self.reports.follow(&raw, decoded.as_ref());
         if step == Step::Complete {
@@ -56,6 +75,17 @@ impl Events {
         let Some(lane) = lane else { return };
         let value = Value::new(vec![part(&raw, context.metadata, context.texts)], severity(raw.level()));
         context.lanes.event(lane, context.time, value);
+    }
+
+    /// The events, with times since the start. `lanes` are those of the timeline.
+    pub(in crate::timeline) fn finish(self, start: u64, lanes: &[Lane]) -> Vec<SentEvent> {
+        let is_named = lanes.iter().any(|lane| lane.topic == TOPIC && lane.subject.is_some());
+        let event = |(time, subject, event): (u64, Arc<str>, RawEvent)| SentEvent {
+            time_us: time.cast_signed().saturating_sub_unsigned(start),
+            subject: is_named.then_some(subject),
+            event,
+        };
+        self.listed.into_iter().map(event).collect()
     }
 
     /// Records a complete report.
@@ -176,7 +206,7 @@ pub(super) fn part_of(problem: &Problem, metadata: &EventMetadata, texts: &Texts
 }
 
 /// The name of an event, with its namespace.
-fn full_name(event: &DecodedEvent<'_>) -> String {
+pub fn full_name(event: &DecodedEvent<'_>) -> String {
     format!("{}::{}", event.component.namespace, event.event.name)
 }
 
