@@ -3,7 +3,7 @@
 use uavspec_definitions::PX4_EVENTS;
 use uavspec_dynamic::event::EventError;
 use uavspec_px4::checks::{Report, Reports};
-use uavspec_px4::event::EventMetadata;
+use uavspec_px4::event::{EventMetadata, RawEvent};
 use uavspec_runtime::event::{MAX_ARGUMENTS_SIZE, Profile};
 use uavspec_test_support::{Writer, xz};
 
@@ -31,7 +31,8 @@ pub(super) fn metadata(data: &[u8]) {
                 assert!(text.len() <= MAX_TEXT, "{} bytes", text.len());
             }
         }
-        reports.follow(&decoded);
+        let raw = RawEvent { id: event.id, sequence: None, levels: 0, arguments: [0; MAX_ARGUMENTS_SIZE] };
+        reports.follow(&raw, Some(&decoded));
     }
     let problems = reports.latest().map_or(0, |Report { problems, .. }| problems.len());
     assert!(problems <= events.len(), "{problems} problems of {} events", events.len());
