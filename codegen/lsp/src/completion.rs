@@ -1,8 +1,9 @@
 //! Completion: types, units, annotations, prefixes of enums, error codes and rules.
 //!
 //! The text before the cursor alone selects the kind of items, because a line that is being typed often can't be parsed.
+//! In event metadata, types are completed between two quotes, which editors insert together.
 
-mod item;
+pub(super) mod item;
 mod page;
 
 use std::collections::BTreeMap;
@@ -14,13 +15,14 @@ use uavspec_schema::msg::attribute::ATTRIBUTES;
 use uavspec_schema::msg::{Dialect, Kind};
 use uavspec_schema::resolve::default_topic;
 use uavspec_schema::source::stem;
-use uavspec_schema::{Message, Shape, directive};
+use uavspec_schema::{Form, Message, Shape, directive};
 
 use self::item::{Item, annotations, open_bracket, units, word_start};
+use super::events;
 use super::snapshot::Document;
 
 /// Characters after which editors ask for items.
-pub(super) const TRIGGERS: [&str; 5] = ["[", "@", "/", ".", " "];
+pub(super) const TRIGGERS: [&str; 6] = ["[", "@", "/", ".", " ", "\""];
 
 /// The items at a byte offset.
 /// `with_snippets` is true if the editor supports placeholders.
@@ -28,9 +30,10 @@ pub(super) fn complete(document: &Document<'_>, offset: usize, with_snippets: bo
     let line = document.lines.line_of(offset);
     let start = document.lines.start(line);
     let before = &document.lines.text()[start..offset];
-    let (from, items) = match document.dialect() {
-        Some(dialect) => of_definition(document, dialect, before, offset),
-        None if document.package.is_some() => page::items(document, line, before),
+    let (from, items) = match document.form() {
+        Some(Form::Msg(dialect)) => of_definition(document, dialect, before, offset),
+        Some(Form::Table) => page::items(document, line, before),
+        Some(Form::Events) => events::items(document, offset).unwrap_or_default(),
         None => return Vec::new(),
     };
     let range = document.lines.range(start + from..offset);

@@ -3,14 +3,15 @@
 use lsp_types::TextEdit;
 use similar::DiffTag;
 use uavspec_lint::format::format;
-use uavspec_schema::difference;
+use uavspec_schema::{Form, difference};
 
 use super::lines::Lines;
 use super::snapshot::Document;
 
-/// The edits that format a document. None, if it contains errors.
+/// The edits that format a document. None, if it contains errors. Other formatters exist for JSON.
 pub(super) fn edits(document: &Document<'_>) -> Option<Vec<TextEdit>> {
-    let formatted = format(&document.snapshot.loaded.sources, document.id, document.package?.form).ok()?;
+    let form = document.form().filter(|form| *form != Form::Events)?;
+    let formatted = format(&document.snapshot.loaded.sources, document.id, form).ok()?;
     Some(replacement(&document.lines, &formatted.text))
 }
 

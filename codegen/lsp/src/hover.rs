@@ -7,6 +7,8 @@ use std::ops::Range;
 use lsp_types::{Contents, Hover, MarkupContent, MarkupKind};
 use uavspec_lint::rule;
 use uavspec_runtime::Number;
+use uavspec_runtime::event::{Profile, Text};
+use uavspec_schema::event::scalar_name;
 use uavspec_schema::fingerprint::ros_name;
 use uavspec_schema::json_type::{Definition, Member as JsonMember};
 use uavspec_schema::msg::annotation::{Annotation, Note};
@@ -14,8 +16,8 @@ use uavspec_schema::msg::constraint::CONSTRAINTS;
 use uavspec_schema::msg::statement::Statement;
 use uavspec_schema::source::Span;
 use uavspec_schema::{
-    Constant, Dialect, Enum, EnumRef, ErrorCode, Field, Form, JsonMessage, JsonType, Message, MessageId,
-    Schema, directive, unit,
+    Constant, Dialect, Enum, EnumRef, ErrorCode, Event, EventArgument, EventComponent, EventEntry, EventEnum,
+    Field, Form, JsonMessage, JsonType, Message, MessageId, Package, Schema, directive, unit,
 };
 
 use self::markup::Markup;
@@ -132,6 +134,14 @@ impl Describer<'_> {
             }
             Symbol::JsonType(id) => self.json_type(schema.json_type(*id)),
             Symbol::JsonMessage(id) => about_json_message(schema.json_message(*id)),
+            Symbol::Event(package, component, event) => {
+                let package = schema.packages.get(*package)?;
+                let component = package.components.get(*component)?;
+                about_event(package, component, component.events.get(*event)?)
+            }
+            Symbol::EventEnum(package, reference) => {
+                about_event_enum(schema.packages.get(*package)?.event_enum(*reference))
+            }
         };
         Some(text.finish())
     }
@@ -313,6 +323,32 @@ fn about_json_message(message: &JsonMessage) -> Markup {
     text.paragraph(&message.docs.text());
     let directions: Vec<String> = message.parts.iter().map(|part| part.direction.to_string()).collect();
     text.fact_list("directions", &directions);
+    text
+}
+
+fn about_event(package: &Package, component: &EventComponent, event: &Event) -> Markup {
+    let mut text = Markup::new(&format!("{}::{}", component.namespace, event.name));
+    // Placeholders stay as written.
+    let shown = |text| Text::new(text).show(Profile::Normal, &|_| None).to_string();
+    text.paragraph(&shown(&event.message));
+    text.paragraph(&shown(&event.description));
+    text.fact("id", Some(event.id));
+    text.fact("group", Some(&event.group));
+    text.fact("type", Some(event.kind.name()).filter(|name| !name.is_empty()));
+    let row = |(number, argument): (usize, &EventArgument)| {
+        let ty = package.event_type(component, argument);
+        (format!("{number}: {}", argument.name), ty, argument.description.clone())
+    };
+    text.table("arguments", (1..).zip(&event.arguments).map(row), MAX_MEMBERS);
+    text
+}
+
+fn about_event_enum(found: &EventEnum) -> Markup {
+    let mut text = Markup::new(&format!("{}: {}", found.name, scalar_name(found.scalar)));
+    text.paragraph(&found.description);
+    let row = |entry: &EventEntry| (entry.name.clone(), entry.value.to_string(), entry.description.clone());
+    let title = if found.separator.is_some() { "flags" } else { "values" };
+    text.table(title, found.entries.iter().map(row), MAX_MEMBERS);
     text
 }
 

@@ -32,6 +32,7 @@
 mod completion;
 mod diagnostics;
 mod discovery;
+mod events;
 mod fixes;
 mod format;
 mod hover;

@@ -6,21 +6,24 @@ use lsp_types::{
 };
 use uavspec_schema::source::Span;
 use uavspec_schema::table::{self, Page, error_code};
-use uavspec_schema::{Message, MessageId, Schema};
+use uavspec_schema::{Form, Message, MessageId, Schema};
 
+use super::events;
 use super::snapshot::{Document, Snapshot};
 
 /// The maximum number of symbols in the answer to a search. Editors search again as the user types.
 const MAX_SYMBOLS: usize = 1_000;
 
-/// The symbols of a document: messages with their constants and fields, or headings with their error codes.
+/// The symbols of a document: messages with their constants and fields, headings with their error codes, or components
+/// with their events and enums.
 pub(super) fn symbols(document: &Document<'_>) -> Vec<DocumentSymbol> {
-    if document.dialect().is_some() {
-        document.messages().into_iter().map(|(id, span)| message(document, id, span)).collect()
-    } else if document.package.is_some() {
-        headings(document)
-    } else {
-        Vec::new()
+    match document.form() {
+        Some(Form::Msg(_)) => {
+            document.messages().into_iter().map(|(id, span)| message(document, id, span)).collect()
+        }
+        Some(Form::Table) => headings(document),
+        Some(Form::Events) => events::symbols(document),
+        None => Vec::new(),
     }
 }
 
@@ -45,7 +48,7 @@ fn message(document: &Document<'_>, id: MessageId, span: Span) -> DocumentSymbol
 }
 
 #[allow(deprecated)] // `deprecated` must be set
-fn symbol(
+pub(super) fn symbol(
     document: &Document<'_>,
     name: &str,
     kind: SymbolKind,
@@ -116,7 +119,7 @@ fn section_end(document: &Document<'_>, page: &Page, at: usize) -> Span {
     Span { start: end, end }
 }
 
-/// The messages, constants, types and error codes whose name contains a text, if case is ignored.
+/// The messages, constants, types, error codes, events and enums of events whose name contains a text, if case is ignored.
 pub(super) fn search(snapshot: &Snapshot, query: &str) -> Vec<WorkspaceSymbol> {
     let query = query.to_lowercase();
     let matches = |name: &str| name.to_lowercase().contains(&query);
@@ -167,13 +170,24 @@ fn all(schema: &Schema) -> impl Iterator<Item = (String, SymbolKind, String, Spa
             (name, SymbolKind::EnumMember, package.name.clone(), code.span)
         })
     });
-    messages.chain(types).chain(pages).chain(codes)
+    let events = schema.packages.iter().flat_map(|package| &package.components).flat_map(|component| {
+        let symbol = |name: &String, kind, span| (name.clone(), kind, component.namespace.clone(), span);
+        let events =
+            component.events.iter().map(move |event| symbol(&event.name, SymbolKind::Event, event.span));
+        let enums =
+            component.enums.iter().map(move |found| symbol(&found.name, SymbolKind::Enum, found.span));
+        events.chain(enums)
+    });
+    messages.chain(types).chain(pages).chain(codes).chain(events)
 }
 
-/// The parts of a document that an editor can fold: comments and blocks of declarations, or sections of a page.
+/// The parts of a document that an editor can fold: comments and blocks of declarations, or sections of a page. Editors
+/// fold JSON without help.
 pub(super) fn folds(document: &Document<'_>) -> Vec<FoldingRange> {
-    if document.dialect().is_none() {
-        return sections(document);
+    match document.form() {
+        Some(Form::Msg(_)) => {}
+        Some(Form::Table) => return sections(document),
+        Some(Form::Events) | None => return Vec::new(),
     }
     let lines = 0..document.lines.count();
     let kinds: Vec<LineKind> = lines.map(|line| LineKind::of(document.lines.line(line))).collect();
@@ -211,9 +225,6 @@ impl LineKind {
 }
 
 fn sections(document: &Document<'_>) -> Vec<FoldingRange> {
-    if document.package.is_none() {
-        return Vec::new();
-    }
     let (page, _) = table::parse(&document.snapshot.loaded.sources, document.id);
     let line = |span: Span| document.lines.line_of(document.snapshot.offsets(document.id, span).start);
     let section = |at: usize| {

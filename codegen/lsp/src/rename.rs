@@ -77,6 +77,7 @@ pub(super) fn rename(
 fn check_kind(symbol: &Symbol) -> Result<(), String> {
     match symbol {
         Symbol::Prefix(..) => Err("a prefix belongs to several constants; rename each constant".to_owned()),
+        Symbol::Event(..) => Err("an event's id results from its name; it can't be renamed".to_owned()),
         Symbol::ErrorCode(..) => Err("an error code has a permanent number; it can't be renamed".to_owned()),
         _ => Ok(()),
     }

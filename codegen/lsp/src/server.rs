@@ -29,7 +29,7 @@ use super::{
 const LAYOUT: &str = "uavspec/layout";
 
 /// The files whose changes the editor reports.
-const WATCHED: &str = "**/{*.msg,*.srv,*.action,*.md,*.adoc,*.po,uavspec.toml}";
+const WATCHED: &str = "**/{*.msg,*.srv,*.action,*.md,*.adoc,*.json,*.json.xz,*.po,uavspec.toml}";
 
 /// A failed request: the code of the protocol, and a message for the user.
 pub(super) type Failed = (ErrorCode, String);

@@ -158,9 +158,14 @@ impl<'s> Document<'s> {
         self.snapshot.loaded.sources.slice(span)
     }
 
+    /// The form of the definitions, or `None` for a document without a package.
+    pub(super) fn form(&self) -> Option<Form> {
+        self.package.map(|package| package.form)
+    }
+
     /// The dialect of a `.msg`, `.srv` or `.action` file.
     pub(super) fn dialect(&self) -> Option<Dialect> {
-        match self.package?.form {
+        match self.form()? {
             Form::Msg(dialect) => Some(dialect),
             Form::Table | Form::Events => None,
         }

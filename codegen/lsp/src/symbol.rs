@@ -11,9 +11,10 @@ use uavspec_schema::msg::ast::{Element, Field, Item, Line};
 use uavspec_schema::msg::constraint::Argument;
 use uavspec_schema::msg::statement::{Prefix, Statement};
 use uavspec_schema::source::Span;
-use uavspec_schema::{Message, MessageId};
+use uavspec_schema::{Form, Message, MessageId};
 
 pub(super) use self::occurrence::{Occurrence, Symbol};
+use super::events;
 use super::snapshot::{Document, Snapshot};
 
 /// All occurrences in a document, by location.
@@ -28,6 +29,7 @@ pub(super) fn occurrences(document: &Document<'_>) -> Vec<Occurrence> {
             }
             found
         }
+        None if document.form() == Some(Form::Events) => events::occurrences(document),
         None => page::occurrences(document),
     };
     found.sort_by_key(|occurrence| occurrence.span);
@@ -67,6 +69,10 @@ fn declaration(snapshot: &Snapshot, symbol: &Symbol) -> Option<Span> {
         }
         Symbol::JsonType(id) => schema.json_type(*id).span,
         Symbol::JsonMessage(id) => schema.json_message(*id).span,
+        Symbol::Event(package, component, event) => {
+            schema.packages.get(*package)?.components.get(*component)?.events.get(*event)?.span
+        }
+        Symbol::EventEnum(package, reference) => schema.packages.get(*package)?.event_enum(*reference).span,
     })
 }
 

@@ -1,6 +1,7 @@
 //! Semantic tokens.
 
 use lsp_types::{Position, SemanticToken, SemanticTokenModifiers, SemanticTokenTypes, SemanticTokensLegend};
+use uavspec_schema::Form;
 use uavspec_schema::msg::ast::Item;
 use uavspec_schema::source::Span;
 
@@ -49,16 +50,22 @@ struct Part {
     is_definition: bool,
 }
 
-/// The tokens of a document, each relative to the previous one.
+/// The tokens of a document, each relative to the previous one. Editors highlight JSON without help.
 pub(super) fn tokens(document: &Document<'_>) -> Vec<SemanticToken> {
+    if document.form() == Some(Form::Events) {
+        return Vec::new();
+    }
     let mut parts = syntax(document);
     parts.extend(symbol::occurrences(document).into_iter().map(|occurrence| Part {
         span: occurrence.span,
         kind: match occurrence.symbol {
-            Symbol::Message(_) | Symbol::JsonType(_) | Symbol::JsonMessage(_) => Kind::Struct,
+            Symbol::Message(_) | Symbol::JsonType(_) | Symbol::JsonMessage(_) | Symbol::Event(..) => {
+                Kind::Struct
+            }
             Symbol::Field(..) => Kind::Property,
             Symbol::Constant(..) | Symbol::Prefix(..) => Kind::EnumMember,
             Symbol::ErrorCode(..) => Kind::Number,
+            Symbol::EventEnum(..) => Kind::Type,
         },
         is_definition: occurrence.is_definition,
     }));

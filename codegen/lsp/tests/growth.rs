@@ -87,7 +87,7 @@ type Dimension = (&'static str, Form, usize, fn(usize) -> Files);
 const PX4: Form = Form::Msg(Dialect::Px4);
 const ROS2: Form = Form::Msg(Dialect::Ros2);
 
-const DIMENSIONS: [Dimension; 19] = [
+const DIMENSIONS: [Dimension; 23] = [
     ("fields", PX4, 200, fields),
     ("constants", PX4, 200, constants),
     ("lengths of names", PX4, 1_000, length_of_names),
@@ -148,7 +148,37 @@ const DIMENSIONS: [Dimension; 19] = [
         let message = "## WIND-~\n\n### Request\n\nNo fields besides type.\n\n### Response\n\nNo fields besides type.\n\n";
         page("# Winds\n\n", &numbered(count, message))
     }),
+    ("events", Form::Events, 60, |count| {
+        metadata("", &numbered(count, "\"1~\": {\"name\": \"wind_~\", \"message\": \"Wind\"},\n"))
+    }),
+    ("arguments of unknown types", Form::Events, 60, |count| {
+        let argument = "{\"name\": \"wind_~\", \"type\": \"gale_~_t\"},\n";
+        metadata("", &event(&numbered(count, argument)))
+    }),
+    ("enums of events", Form::Events, 60, |count| {
+        let declared = "\"wind_~_t\": {\"type\": \"uint8_t\", \"entries\": {}},\n";
+        metadata(&numbered(count, declared), &event(""))
+    }),
+    ("entries of an enum", Form::Events, 200, |count| {
+        let entries = numbered(count, "\"~\": {\"name\": \"wind_~\", \"description\": \"Wind ~\"},\n");
+        let declared = format!("\"wind_t\": {{\"type\": \"uint32_t\", \"entries\": {{{entries}}}}},");
+        metadata(&declared, &event("{\"name\": \"wind\", \"type\": \"wind_t\"},"))
+    }),
 ];
+
+fn event(arguments: &str) -> String {
+    format!("\"1\": {{\"name\": \"wind\", \"message\": \"Wind\", \"arguments\": [{arguments}]}},")
+}
+
+/// Event metadata with lists of enums and events. Each item ends with a comma, of which JSON has one less.
+fn metadata(enums: &str, events: &str) -> Files {
+    let text = format!(
+        "{{\"version\": 2, \"components\": {{\"0\": {{\"namespace\": \"common\", \"enums\": {{{enums}}},\n\
+         \"event_groups\": {{\"default\": {{\"events\": {{{events}}}}}}}}}}}}}\n"
+    );
+    let text = text.replace(",\n}", "\n}").replace(",\n]", "\n]").replace(",}", "}").replace(",]", "]");
+    vec![("winds.json".to_owned(), text)]
+}
 
 const HEAD: &str = "|Field|Required|Type|Description|\n|-|-|-|-|\n";
 

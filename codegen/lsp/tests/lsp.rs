@@ -1,6 +1,7 @@
 //! Tests of the language server, driven by an editor in the same process.
 
 mod editor;
+mod events;
 mod growth;
 
 use std::fs;

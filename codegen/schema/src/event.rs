@@ -9,6 +9,7 @@ mod json;
 
 pub use self::compressed::{decompress, is_compressed};
 pub(crate) use self::json::Located;
+pub use self::json::syntax;
 
 use std::borrow::Cow;
 
@@ -176,7 +177,10 @@ pub struct EventEnumRef {
 pub fn scalar(name: &str) -> Option<Scalar> {
     match name {
         "float" => Some(Scalar::Float32),
-        _ => Scalar::from_name(name.strip_suffix("_t")?).filter(|scalar| scalar.integer_bounds().is_some()),
+        // Only `.msg` files have the types `byte` and `char`.
+        _ => Scalar::from_name(name.strip_suffix("_t")?).filter(|scalar| {
+            scalar.integer_bounds().is_some() && !matches!(scalar, Scalar::Byte | Scalar::Char)
+        }),
     }
 }
 

@@ -1,7 +1,8 @@
 //! Event metadata that is damaged, hostile or huge.
 
 use allocation_counter::measure;
-use uavspec_schema::event::decompress;
+use uavspec_runtime::Scalar;
+use uavspec_schema::event::{decompress, scalar, scalar_name};
 use uavspec_schema::limits::MAX_EVENTS_LEN;
 use uavspec_schema::{Form, PackageInput, SourceMap, read_formats};
 use uavspec_test_definitions::xz;
@@ -122,6 +123,13 @@ fn the_largest_metadata_takes_little_memory() {
         let found = mistakes(text);
         assert_eq!(found.len(), expected, "{:?}", found.first());
     }
+}
+
+#[test]
+fn only_types_of_c_are_basic_types() {
+    let basic = Scalar::ALL.into_iter().map(scalar_name).filter(|name| scalar(name).is_some());
+    let expected = "int8_t uint8_t int16_t uint16_t int32_t uint32_t int64_t uint64_t float";
+    assert_eq!(basic.collect::<Vec<_>>().join(" "), expected);
 }
 
 #[test]

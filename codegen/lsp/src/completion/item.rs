@@ -6,7 +6,7 @@ use uavspec_schema::msg::constraint::CONSTRAINTS;
 use uavspec_schema::unit::UNITS;
 
 /// An item: its label, its kind, a short text and what it inserts.
-pub(super) struct Item {
+pub(crate) struct Item {
     pub(super) label: String,
     pub(super) kind: CompletionItemKind,
     pub(super) detail: String,
@@ -15,7 +15,7 @@ pub(super) struct Item {
 }
 
 impl Item {
-    pub(super) fn new(label: impl Into<String>, kind: CompletionItemKind, detail: impl Into<String>) -> Self {
+    pub(crate) fn new(label: impl Into<String>, kind: CompletionItemKind, detail: impl Into<String>) -> Self {
         Self { label: label.into(), kind, detail: detail.into(), snippet: None }
     }
 }

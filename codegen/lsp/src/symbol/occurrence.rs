@@ -1,7 +1,7 @@
 //! Symbols and their occurrences.
 
 use uavspec_schema::source::Span;
-use uavspec_schema::{JsonMessageId, JsonTypeId, MessageId};
+use uavspec_schema::{EventEnumRef, JsonMessageId, JsonTypeId, MessageId};
 
 /// A named thing.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -20,6 +20,10 @@ pub(crate) enum Symbol {
     JsonType(JsonTypeId),
     /// A message on a page.
     JsonMessage(JsonMessageId),
+    /// An event of a package: the indices of the package, of the component, and of the event in it.
+    Event(usize, usize, usize),
+    /// An enum of the events of a package, which is given by its index.
+    EventEnum(usize, EventEnumRef),
 }
 
 /// A place where a symbol is written.

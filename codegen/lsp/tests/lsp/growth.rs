@@ -33,7 +33,7 @@ pub(crate) fn edit_all(form: Form, files: &[(String, String)]) {
     };
     let folder = tempfile::tempdir().expect("a folder");
     let config = format!(
-        "[lint]\npreset = \"strict\"\n[[package]]\nname = \"demo\"\ndialect = \"{dialect}\"\ninclude = [\"*.m*\"]\n"
+        "[lint]\npreset = \"strict\"\n[[package]]\nname = \"demo\"\ndialect = \"{dialect}\"\ninclude = [\"*.{{msg,md,json}}\"]\n"
     );
     fs::write(folder.path().join("uavspec.toml"), config).expect("a file");
     let uri = |name: &str| format!("file://{}", folder.path().join(name).display());
