@@ -52,7 +52,7 @@ pub use self::problem::Problem;
 pub use self::reader::Reader;
 pub use self::sound::{AttachmentHead, metadata};
 pub use self::unpack::Packing;
-pub use self::writer::{Writer, compressed, metadata_body};
+pub use self::writer::{Writer, attachment_body, compressed, metadata_body};
 
 /// The name of the metadata records about the publishers and subscribers of a live vehicle. The values are those of
 /// [`Endpoint::to_values`](uavspec_model::Endpoint::to_values). If only the id is stated, the endpoint ended.
@@ -74,6 +74,9 @@ pub const NOTE: &str = "uavspec:note";
 
 /// The name of the metadata record of a recording that was cut short. The value is `reason`.
 pub const CUT_SHORT: &str = "uavspec:cut_short";
+
+/// The names of attachments with the event metadata of the vehicle: those of the files that PX4's build writes.
+pub const EVENT_METADATA: [&str; 2] = ["all_events.json", "all_events.json.xz"];
 
 /// The metadata key of a channel whose messages were sent by this program. The value is `true`.
 pub const OWN: &str = "uavspec:own";

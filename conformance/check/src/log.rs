@@ -16,7 +16,6 @@ use uavspec_lint::release::LayoutHashes;
 use uavspec_model::text::{plural, shown, thousands};
 use uavspec_model::{Channel, Detail, Extent, Findings, Location, Message, Rule, SubjectName};
 use uavspec_px4::comparison::{Comparison, compare};
-use uavspec_px4::event::EventMetadata;
 use uavspec_px4::memory::{FieldCounts, Plan, shared_fields, time_offset};
 use uavspec_rules::definitions::{Clues, Definitions, FormatClue};
 use uavspec_rules::px4;
@@ -222,9 +221,8 @@ impl Metadata {
         }
     }
 
-    /// Reads the metadata. Also returns the first reason why not all events can be decoded. Fails if no event can be
-    /// decoded, or if the metadata can't be trusted.
-    fn read(&self) -> Result<(EventMetadata, Option<String>), String> {
+    /// All pieces. Fails if they can't be trusted.
+    fn checked(&self) -> Result<&[u8], String> {
         if self.bytes.len() > MAX_EVENTS_LEN {
             return Err(format!("it is longer than {} bytes", thousands(MAX_EVENTS_LEN)));
         }
@@ -236,10 +234,7 @@ impl Metadata {
                 return Err(format!("its SHA-256 hash is {found}, but the log states {}", shown(&stated)));
             }
         }
-        match EventMetadata::of_capture(&self.bytes) {
-            Ok((metadata, mistake)) => Ok((metadata, mistake.map(|mistake| mistake.to_string()))),
-            Err(error) => Err(error.to_string()),
-        }
+        Ok(&self.bytes)
     }
 }
 
@@ -378,13 +373,7 @@ impl<'d> LogChecker<'d> {
     fn read_metadata(&mut self) {
         let Some(metadata) = self.metadata.take() else { return };
         let Some(place) = metadata.place else { return };
-        let problem = match metadata.read() {
-            Ok((metadata, mistake)) => {
-                self.run.set_metadata(metadata);
-                mistake.map(|mistake| format!("the event metadata has mistakes: {mistake}"))
-            }
-            Err(problem) => Some(format!("the event metadata can't be used: {problem}")),
-        };
+        let problem = self.run.read_metadata(metadata.checked());
         self.run.findings.cover(&px4::EVT_01.rule, 1);
         match problem {
             Some(text) if self.run.extent == Extent::Whole => {

@@ -159,11 +159,19 @@ impl<'d> CheckRun<'d> {
         self.channels.len() - 1
     }
 
-    /// Uses the event metadata that the capture contains.
-    pub(super) fn set_metadata(&mut self, metadata: EventMetadata) {
-        self.events = Arc::new(metadata);
-        if let Some(observer) = &mut self.observer {
-            observer.metadata(&self.events);
+    /// Uses the event metadata of the capture, unless there is a reason not to. Returns what is wrong with it.
+    pub(super) fn read_metadata(&mut self, bytes: Result<&[u8], String>) -> Option<String> {
+        let read =
+            bytes.and_then(|bytes| EventMetadata::of_capture(bytes).map_err(|error| error.to_string()));
+        match read {
+            Ok((metadata, mistake)) => {
+                self.events = Arc::new(metadata);
+                if let Some(observer) = &mut self.observer {
+                    observer.metadata(&self.events);
+                }
+                mistake.map(|mistake| format!("the event metadata has mistakes: {mistake}"))
+            }
+            Err(problem) => Some(format!("the event metadata can't be used: {problem}")),
         }
     }
 

@@ -80,7 +80,7 @@ fn sample(label: &str) -> Flight<'static> {
 }
 
 /// Converts a capture. Returns the report and the output.
-fn converted(bytes: &[u8], to: &str, settings: Settings) -> (ConversionReport, Vec<u8>) {
+pub(super) fn converted(bytes: &[u8], to: &str, settings: Settings) -> (ConversionReport, Vec<u8>) {
     try_converted(bytes, &LIBRARY, to, settings).expect("a conversion")
 }
 

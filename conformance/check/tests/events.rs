@@ -8,7 +8,9 @@ use allocation_counter::measure;
 use serde_json::{Map, Value, json};
 use sha2::{Digest as _, Sha256};
 use tempfile::TempDir;
+use uavspec_capture::mcap::attachment_body;
 use uavspec_capture::ulog::{Event, Log, Reader};
+use uavspec_check::convert::Settings;
 use uavspec_check::timeline::{Texts, Timeline};
 use uavspec_check::{CaptureResult, check_bytes, check_ulog};
 use uavspec_dynamic::event::{DecodedEvent, EventValue, Events};
@@ -21,7 +23,10 @@ use uavspec_rules::sample::Flight;
 use uavspec_runtime::event::{Argument, Profile};
 use uavspec_schema::EventKind;
 use uavspec_schema::translation::Translations;
+use uavspec_test_captures::mcap as bag;
 use uavspec_test_support::{Writer, shared, xz};
+
+use crate::convert::converted;
 
 /// The events of a log, each decoded, as in the reference.
 fn events_of(log: &Path) -> Vec<Value> {
@@ -326,4 +331,52 @@ fn a_reply_contains_events_if_it_counts_them() {
     let metadata = |line: &str| check(line.as_bytes(), &Library::built_in()).event_metadata;
     assert_eq!(metadata(reply), Some(EventOrigin::BuiltIn.to_string()));
     assert_eq!(metadata(&without), None);
+}
+
+/// A bag with an attachment and an event.
+fn bag_with(name: &str, data: &[u8], is_first: bool) -> Vec<u8> {
+    let attachment = bag::record(9, &[&attachment_body(name, "application/json", data)]);
+    let event = json!({
+        "timestamp": 9, "id": 7, "event_sequence": 1, "arguments": vec![0; 25], "log_levels": 0
+    });
+    let channel = bag::channel(1, 0, "/fmu/out/event", "json", &[]);
+    let event = [channel, bag::message(1, event.to_string().as_bytes())].concat();
+    bag::file(&if is_first { [attachment, event] } else { [event, attachment] }.concat())
+}
+
+#[test]
+fn an_attachment_of_a_bag_explains_the_events_that_follow() {
+    let library = Library::built_in();
+    let [capture, built_in] = [EventOrigin::Capture, EventOrigin::BuiltIn].map(|origin| origin.to_string());
+    let long = [METADATA.as_bytes(), &vec![b' '; 1 << 20]].concat();
+    for (name, data, is_first, expected, note) in [
+        ("all_events.json", METADATA.as_bytes(), true, &capture, None),
+        // The content decides about the compression.
+        ("all_events.json.xz", METADATA.as_bytes(), true, &capture, None),
+        ("events.json", METADATA.as_bytes(), true, &built_in, None),
+        ("all_events.json", METADATA.as_bytes(), false, &built_in, Some("it follows the first message")),
+        ("all_events.json", b"{}", true, &built_in, Some("`version`")),
+        ("all_events.json.xz", b"\xfd7zXZ\0\0", true, &built_in, Some("")),
+        ("all_events.json", &long, true, &built_in, Some("the attachment has 1,049,")),
+        ("all_events.json", b"", true, &built_in, Some("")),
+    ] {
+        let result = check(&bag_with(name, data, is_first), &library);
+        assert_eq!(result.event_metadata.as_ref(), Some(expected), "{name}");
+        assert_eq!(result.corruption, []);
+        let notes: Vec<&str> = result.notes.iter().map(String::as_str).collect();
+        let is_noted = note.map(|note| matches!(notes[..], [found] if found.contains(note)));
+        assert!(is_noted.unwrap_or(notes.is_empty()), "{notes:?}");
+    }
+}
+
+#[test]
+fn conversions_keep_the_event_metadata() {
+    let metadata = METADATA.as_bytes();
+    for capture in [log(metadata, Some(&digest(metadata))), bag_with("all_events.json", metadata, true)] {
+        let (report, output) = converted(&capture, "px4@1.17", Settings::default());
+        assert!(report.is_complete(), "{:?}", report.problems);
+        let result = check(&output, &Library::built_in());
+        assert_eq!(result.event_metadata, Some(EventOrigin::Capture.to_string()));
+        assert_eq!(result.notes, [""; 0]);
+    }
 }

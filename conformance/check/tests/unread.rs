@@ -11,7 +11,7 @@ use flate2::write::GzEncoder;
 use mcap::records::{MessageHeader, op};
 use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 use uavspec_capture::input::decompressed;
-use uavspec_capture::mcap::{Event, MAGIC, Packing, Reader, Writer, metadata_body};
+use uavspec_capture::mcap::{Event, MAGIC, Packing, Reader, Writer, attachment_body, metadata_body};
 use uavspec_check::{CaptureResult, Summary, check_capture, check_path};
 use uavspec_report::{CheckedCapture, OutcomeKind, Settings, Subject};
 use uavspec_rules::definitions::{Definitions, Library};
@@ -85,19 +85,10 @@ fn indexed(bag: &[u8], packing: Option<Packing>) -> Vec<u8> {
             _ => {}
         }
     }
-    let attachment = attachment(b"the plan of the flight");
+    let attachment = attachment_body("plan.txt", "text/plain", b"the plan of the flight");
     writer.attachment(attachment.len() as u64, &mut &attachment[..]).expect("memory");
     writer.metadata(&metadata_body("pilot", &BTreeMap::new())).expect("memory");
     writer.finish().expect("memory")
-}
-
-/// The body of an attachment with a checksum.
-fn attachment(data: &[u8]) -> Vec<u8> {
-    let text = |text: &[u8]| [&u32::try_from(text.len()).expect("a length").to_le_bytes()[..], text].concat();
-    let size = (data.len() as u64).to_le_bytes();
-    let body = [&[0; 16][..], &text(b"plan.txt"), &text(b"text/plain"), &size, data].concat();
-    let checksum = crc32fast::hash(&body).to_le_bytes();
-    [&body[..], &checksum].concat()
 }
 
 /// The records of a file outside of chunks: the opcode and the place of the body.

@@ -119,7 +119,8 @@ pub fn probe(
 ) -> io::Result<Checked> {
     let (path, _temporary) = recording(options)?;
     let mut chosen = None;
-    let mut probe = Probe::new(bus, options, Recorder::create(&path)?, on_progress, &|_| {});
+    let mut probe =
+        Probe::new(bus, options, Recorder::create(&path, library.events())?, on_progress, &|_| {});
     let started = probe.start(library);
     if started.is_err() {
         // The first error is reported.
@@ -163,7 +164,7 @@ pub(crate) fn observe(
 ) -> io::Result<Option<String>> {
     let (path, temporary) = recording(options)?;
     let mut chosen = None;
-    let mut probe = Probe::new(bus, options, Recorder::create(&path)?, &|_| {}, on_event);
+    let mut probe = Probe::new(bus, options, Recorder::create(&path, library.events())?, &|_| {}, on_event);
     // Without messages, nothing shows the release.
     while probe.progress.messages == 0 && probe.cut_short.is_none() && probe.elapsed() < options.time {
         probe.listen(options.time.min(probe.elapsed() + START))?;

@@ -1,5 +1,6 @@
 //! Events in PX4 messages, and the event metadata that says what they mean.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::fs::File;
 use std::io::{self, Read};
@@ -21,14 +22,14 @@ use uavspec_schema::{Failure, terminal};
 pub struct EventMetadata {
     /// The origin.
     pub origin: EventOrigin,
-    source: &'static [u8],
+    source: Cow<'static, [u8]>,
     events: OnceLock<Events>,
 }
 
 impl EventMetadata {
     /// The event metadata of uavspec, as JSON.
     pub fn built_in(json: &'static [u8]) -> Self {
-        Self { origin: EventOrigin::BuiltIn, source: json, events: OnceLock::new() }
+        Self { origin: EventOrigin::BuiltIn, source: Cow::Borrowed(json), events: OnceLock::new() }
     }
 
     /// Reads a file with event metadata: JSON, which may be compressed with xz. Fails if the file is longer than 1 MiB, or if
@@ -50,7 +51,7 @@ impl EventMetadata {
                 format!("`uavspec lint --package events --dialect events --input {path}` lists all mistakes");
             return Err(failed(&error).with_hint(hint));
         }
-        Ok(Self { origin: EventOrigin::File(shown), source: &[], events: events.into() })
+        Ok(Self { origin: EventOrigin::File(shown), source: Cow::Owned(bytes), events: events.into() })
     }
 
     /// Reads the event metadata in a capture: JSON, which may be compressed with xz. Also returns the first reason why not
@@ -61,14 +62,19 @@ impl EventMetadata {
             Some(mistake) if events.is_empty() => Err(io::Error::other(mistake.to_string())),
             mistake => {
                 let events = events.into();
-                Ok((Self { origin: EventOrigin::Capture, source: &[], events }, mistake))
+                Ok((Self { origin: EventOrigin::Capture, source: Cow::default(), events }, mistake))
             }
         }
     }
 
+    /// The content of the file that the user gave.
+    pub fn file(&self) -> Option<&[u8]> {
+        matches!(self.origin, EventOrigin::File(_)).then_some(&self.source)
+    }
+
     /// The events that can be decoded.
     pub fn events(&self) -> &Events {
-        self.events.get_or_init(|| read(self.source).map(|(events, _)| events).unwrap_or_default())
+        self.events.get_or_init(|| read(&self.source).map(|(events, _)| events).unwrap_or_default())
     }
 }
 

@@ -140,7 +140,7 @@ pub(super) struct CheckArgs {
     /// program that was built with the feature `tables`.
     #[arg(long, value_name = "DIR")]
     resume: Option<PathBuf>,
-    /// Also write the changes of failsafe flags, error codes, modes and arming checks, as a table.
+    /// Also write the changes of failsafe flags, error codes, modes and arming checks, and the events of PX4, as tables.
     ///
     /// Requires --report parquet=DIR, --report arrow=DIR or --resume DIR.
     #[arg(long)]

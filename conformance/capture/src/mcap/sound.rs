@@ -111,6 +111,16 @@ impl<'b> AttachmentHead<'b> {
         let (name, media_type, size) = (parts.text()?, parts.text()?, parts.u64()?);
         Some(Self { times, name, media_type, size, length: start.len() - parts.0.len() })
     }
+
+    /// True if the attachment has this name.
+    pub fn is_named(&self, name: &str) -> bool {
+        self.name.get(4..) == Some(name.as_bytes())
+    }
+
+    /// The data in the body of the attachment. `None` if the body is too short.
+    pub fn data<'d>(&self, body: &'d [u8]) -> Option<&'d [u8]> {
+        body.get(self.length..)?.get(..usize::try_from(self.size).ok()?)
+    }
 }
 
 /// The position of an attachment's checksum in the record. `None` unless its header, data and checksum fit the record

@@ -30,6 +30,17 @@ pub fn metadata_body(name: &str, values: &BTreeMap<String, String>) -> Vec<u8> {
     body
 }
 
+/// The body of an attachment without times.
+pub fn attachment_body(name: &str, media_type: &str, data: &[u8]) -> Vec<u8> {
+    let mut body = vec![0; 16];
+    text(&mut body, name);
+    text(&mut body, media_type);
+    prefixed::<8>(&mut body, |body| body.extend_from_slice(data));
+    let checksum = crc32fast::hash(&body);
+    body.extend_from_slice(&checksum.to_le_bytes());
+    body
+}
+
 /// Writes a file from start to end. It contains all indexes.
 pub struct Writer<W> {
     output: W,

@@ -6,12 +6,14 @@ use std::io::Read;
 use uavspec_capture::MCAP_MAGIC;
 use uavspec_capture::input::UpToError;
 use uavspec_capture::mcap::{
-    APPLICATION, CUT_SHORT, ENDPOINT, Event, Item, LOST, NOTE, Packing, Reader, UNREADABLE, metadata,
+    APPLICATION, AttachmentHead, CUT_SHORT, ENDPOINT, EVENT_METADATA, Event, Item, LOST, NOTE, Packing,
+    Reader, UNREADABLE, metadata,
 };
 use uavspec_model::limits::MAX_NAME;
-use uavspec_model::text::shown;
+use uavspec_model::text::{shown, thousands};
 use uavspec_model::{ApplicationType, Endpoint, Extent, Findings, Location};
 use uavspec_rules::definitions::Definitions;
+use uavspec_schema::limits::MAX_EVENTS_LEN;
 
 use super::{BagContent, Channels, Declared, McapSummary, digest};
 use crate::{CaptureResult, CheckRun, Kind, Logged, Observer, Summary, has_magic};
@@ -90,6 +92,8 @@ pub(super) struct McapFile<'c> {
     undeclared: BTreeSet<u16>,
     /// The number of announcements of endpoints.
     num_endpoints: u64,
+    /// The attachment with event metadata that is being read.
+    metadata: Option<Vec<u8>>,
 }
 
 impl<'c> McapFile<'c> {
@@ -148,7 +152,8 @@ impl<'c> McapFile<'c> {
                 }
             }
             Event::Metadata { body } => self.metadata(bag, body, byte),
-            Event::Attachment { .. } | Event::Private { .. } => {}
+            Event::Attachment { length, at, bytes } => self.attachment(bag, (length, at), bytes),
+            Event::Private { .. } => {}
             Event::Problem(problem) => self.corruption(bag, byte, &problem.to_string(), problem.extent()),
         }
     }
@@ -248,6 +253,34 @@ impl<'c> McapFile<'c> {
             NOTE => bag.run.note(values.get("text").map_or("", String::as_str)),
             CUT_SHORT => bag.run.cut_short(values.get("reason").map_or("", String::as_str)),
             _ => {}
+        }
+    }
+
+    /// Reads an attachment with event metadata, which explains the messages that follow.
+    fn attachment(&mut self, bag: &mut Channels<'_>, (length, at): (u64, u64), bytes: &[u8]) {
+        if at == 0 {
+            let head = AttachmentHead::read(bytes);
+            let is_metadata = head.is_some_and(|head| EVENT_METADATA.iter().any(|name| head.is_named(name)));
+            self.metadata = is_metadata.then(Vec::new);
+        }
+        let Some(body) = &mut self.metadata else { return };
+        let is_too_late = bag.run.records > 0;
+        if length <= MAX_EVENTS_LEN as u64 && !is_too_late {
+            body.extend_from_slice(bytes);
+            if at + (bytes.len() as u64) < length {
+                return;
+            }
+        }
+        let read = if is_too_late {
+            Err("it follows the first message; name the file with `--events`".to_owned())
+        } else {
+            let data = AttachmentHead::read(body).and_then(|head| head.data(body));
+            data.ok_or_else(|| format!("the attachment has {} bytes", thousands(length)))
+        };
+        let problem = bag.run.read_metadata(read);
+        self.metadata = None;
+        if let Some(problem) = problem {
+            bag.run.note(&problem);
         }
     }
 

@@ -61,20 +61,25 @@ fn probed(time: Duration, act: impl FnOnce(&Network, &Clock) + Send) -> Checked 
 }
 
 fn probed_with(options: Options, act: impl FnOnce(&Network, &Clock) + Send) -> Checked {
+    probed_by(&Library::built_in(), options, act)
+}
+
+fn probed_by(library: &Library, options: Options, act: impl FnOnce(&Network, &Clock) + Send) -> Checked {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("run.mcap");
-    let library = Library::built_in();
     let found = simulated(act, |bus| {
         let options = Options { record: Some(file.clone()), ..options };
-        probe(bus, &library, &options, &|_| {}).expect("a result")
+        probe(bus, library, &options, &|_| {}).expect("a result")
     });
-    let recorded = check_path(&file, None, &library, &|input| input).expect("a recording");
+    // The recording contains what the user gave.
+    let recorded = check_path(&file, None, &Library::built_in(), &|input| input).expect("a recording");
     let [live, later] = [&found, &recorded];
     assert_eq!(counts(&live.result.findings), counts(&later.result.findings));
     assert_eq!(live.definitions.name, later.definitions.name);
     assert_eq!(live.result.records, later.result.records);
     assert_eq!(live.result.notes, later.result.notes);
     assert_eq!(live.result.cut_short, later.result.cut_short);
+    assert_eq!(live.result.event_metadata, later.result.event_metadata);
     assert_eq!(live.result.extent, later.result.extent);
     assert_eq!(live.result.corruption, later.result.corruption);
     let texts = |checked: &Checked| {
@@ -114,6 +119,20 @@ fn a_healthy_vehicle_conforms() {
     assert!(found.result.records > 100, "{}", found.result.records);
     assert_eq!((&found.result.notes, &found.result.cut_short), (&Vec::new(), &Vec::new()));
     assert_eq!(outcome(found), OutcomeKind::Conforms);
+}
+
+#[test]
+fn a_recording_contains_the_event_metadata_that_the_user_gave() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("events.json");
+    std::fs::write(&file, r#"{"version": 2, "components": {}}"#).expect("a file");
+    let library = Library::built_in().with_events(&file).expect("metadata");
+    let found = probed_by(&library, Options::new(TIME), |network, clock| {
+        let definitions = Definitions::built_in();
+        fly(&mut network.connect("/px4", clock), &Flight::new(&definitions), |_| true);
+        clock.sleep(TIME);
+    });
+    assert_eq!(found.result.event_metadata.as_deref(), Some("its own event metadata"));
 }
 
 #[test]
@@ -215,7 +234,7 @@ fn only_selected_topics_are_received() {
     let flying = |network: &Network, clock: &Clock| {
         fly(&mut network.connect("/px4", clock), &Flight::new(&definitions), |_| true);
     };
-    let found = simulated(flying, |bus| probe(bus, &library, &options, &|_| {}).expect("a result"));
+    let found = simulated(flying, |bus| probe(bus, library, &options, &|_| {}).expect("a result"));
     let flights = Flight::new(&definitions);
     assert_eq!(found.result.records, flights.counts()["failsafe_flags"]);
 }

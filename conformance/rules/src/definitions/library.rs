@@ -120,6 +120,11 @@ impl Library {
         self
     }
 
+    /// The event metadata for captures that don't contain their own.
+    pub fn events(&self) -> &EventMetadata {
+        &self.events
+    }
+
     /// The definitions for captures that don't show their release.
     pub fn base(&self) -> &Arc<Definitions> {
         self.base.get_or_init(|| {

@@ -262,6 +262,7 @@ mod tests {
     use uavspec_model::Location;
     use uavspec_px4::checks::ModeGroup;
     use uavspec_schema::msg::Dialect;
+    use uavspec_schema::translation::Translations;
     use uavspec_schema::{Form, PackageInput, SourceMap, read};
 
     use super::*;
@@ -330,7 +331,8 @@ mod tests {
             let event =
                 json!({ "name": name, "message": "m", "arguments": [{ "name": "by", "type": "by_t" }] });
             let entries = json!({ "7": { "name": "stick", "description": "Stick" } });
-            let (events, mistakes) = Events::read(metadata(&event, &entries).to_string().into_bytes());
+            let (events, mistakes) =
+                Events::read(metadata(&json!({ "1": event }), &entries).to_string().into_bytes());
             assert_eq!(mistakes, []);
             let event = DecodedEvent::new(&events, 1, vec![EventValue::Integer(7)]).expect("an event");
             self.flights.event(&event, START + second * SECOND);
@@ -345,15 +347,16 @@ mod tests {
                 can_run: true,
             };
             let modes = [MANUAL, AUTO].map(|bit| (bit, mode(bit))).into();
-            let problem = |modes: u64| Problem { id: 1, values: Vec::new(), modes, component: 0 };
-            let all: Vec<(Part, Problem)> = problems
-                .iter()
-                .map(|(name, modes)| (Part::new((*name).to_owned(), None), problem(*modes)))
-                .collect();
-            let blocking: Vec<Blocking<'_>> =
-                all.iter().map(|(part, problem)| Blocking { problem, part: part.clone() }).collect();
-            let report = Report { modes, ..Report::default() };
-            self.flights.report(&report, &blocking, START + second * SECOND);
+            let mut events = serde_json::Map::new();
+            let mut report = Report { modes, ..Report::default() };
+            for (id, (name, modes)) in (1..).zip(problems) {
+                events.insert(id.to_string(), json!({ "name": name, "message": "m" }));
+                report.problems.push(Problem { id, values: Vec::new(), modes: *modes, component: 0 });
+            }
+            let metadata = metadata(&events.into(), &json!({})).to_string();
+            let (metadata, _) = EventMetadata::of_capture(metadata.as_bytes()).expect("metadata");
+            let refused = refused_modes(&report, &metadata, &Texts::of(Translations::default()));
+            self.flights.report(&report, refused, START + second * SECOND);
         }
 
         fn finish(self) -> Overview {
@@ -361,11 +364,11 @@ mod tests {
         }
     }
 
-    fn metadata(event: &Value, entries: &Value) -> Value {
+    fn metadata(events: &Value, entries: &Value) -> Value {
         json!({ "version": 2, "components": { "0": {
             "namespace": "common",
             "enums": { "by_t": { "type": "uint8_t", "entries": entries } },
-            "event_groups": { "default": { "events": { "1": event } } },
+            "event_groups": { "default": { "events": events } },
         } } })
     }
 
@@ -390,7 +393,7 @@ mod tests {
     fn refusals(overview: &Overview) -> Vec<Row<'_>> {
         let mut all = Vec::new();
         for Refusal { mode, is_selected, from_us, until_us, reasons } in &overview.refusals {
-            let reasons = reasons.iter().map(|part| &*part.name).collect();
+            let reasons = reasons.iter().filter_map(|part| part.name.strip_prefix("common::")).collect();
             all.push((&*mode.name, seconds(Some(*from_us)), seconds(*until_us), *is_selected, reasons));
         }
         all
@@ -418,7 +421,7 @@ mod tests {
             (&second.takeoffs_us[..], &second.landings_us[..]),
             (&[21_000_000][..], &[22_000_000][..])
         );
-        assert!(!overview.has_reports && overview.refusals.is_empty());
+        assert_eq!((&overview.modes[..], &overview.refusals[..]), (&[][..], &[][..]));
     }
 
     #[test]
@@ -472,7 +475,7 @@ mod tests {
             ("mode0", Some(5), None, false, vec!["low"]),
         ];
         assert_eq!(refusals(&overview), expected);
-        assert!(overview.has_reports && overview.flights.is_empty());
+        assert!(overview.modes.len() == 2 && overview.flights.is_empty());
     }
 
     #[test]
