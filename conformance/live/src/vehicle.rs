@@ -32,7 +32,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use globset::GlobSet;
-use uavspec_capture::mcap::Reader;
+use uavspec_capture::mcap::{Event as McapEvent, Reader};
 use uavspec_check::{Checked, LiveBag, Observer, check_path, choose_for_path, choose_for_recording};
 use uavspec_model::clock::Clock;
 use uavspec_model::text::plural;
@@ -251,8 +251,8 @@ impl<'p> Probe<'p> {
         let mut live = LiveBag::new(definitions, observer);
         let mut reader = Reader::new(File::open(&self.recorder.path)?);
         while let Some(item) = reader.next()? {
-            // The file has no end yet.
-            if !matches!(item.event, uavspec_capture::mcap::Event::Problem(_)) {
+            // The file has no end yet. Its attachment is event metadata, which the library contains as well.
+            if !matches!(item.event, McapEvent::Problem(_) | McapEvent::Attachment { .. }) {
                 live.record(item.event);
             }
         }
