@@ -36,10 +36,11 @@ pub(crate) fn item(argument: &Bound<'_, PyAny>) -> PyResult<Capture> {
 
 pub(crate) fn options(
     definitions: Option<PathBuf>,
+    events: Option<PathBuf>,
     schemas: Vec<PathBuf>,
     has_timeline: bool,
     are_formats_strict: bool,
     are_warnings_denied: bool,
 ) -> Options {
-    Options { definitions, schemas, are_formats_strict, are_warnings_denied, has_timeline }
+    Options { definitions, events, schemas, are_formats_strict, are_warnings_denied, has_timeline }
 }

@@ -33,13 +33,14 @@ fn check(
     capture: &Bound<'_, PyAny>,
     name: Option<String>,
     definitions: Option<std::path::PathBuf>,
+    events: Option<std::path::PathBuf>,
     schemas: Vec<std::path::PathBuf>,
     timeline: bool,
     strict_formats: bool,
     deny_warnings: bool,
 ) -> PyResult<Py<Report>> {
     let capture = self::capture(capture, name)?;
-    let options = options(definitions, schemas, timeline, strict_formats, deny_warnings);
+    let options = options(definitions, events, schemas, timeline, strict_formats, deny_warnings);
     let checked = run(py, move || checker(&options)?.check(&capture))?;
     Py::new(py, Report::of(checked))
 }
@@ -50,6 +51,7 @@ fn check_files(
     py: Python<'_>,
     captures: &Bound<'_, PyAny>,
     definitions: Option<std::path::PathBuf>,
+    events: Option<std::path::PathBuf>,
     schemas: Vec<std::path::PathBuf>,
     timeline: bool,
     strict_formats: bool,
@@ -58,7 +60,7 @@ fn check_files(
 ) -> PyResult<Results> {
     let captures: Vec<Capture> =
         captures.try_iter()?.map(|item| arguments::item(&item?)).collect::<PyResult<_>>()?;
-    let options = options(definitions, schemas, timeline, strict_formats, deny_warnings);
+    let options = options(definitions, events, schemas, timeline, strict_formats, deny_warnings);
     run(py, move || checker(&options)?.check_all(&captures, jobs)).map(Results::from)
 }
 
@@ -86,9 +88,10 @@ fn explain(
     py: Python<'_>,
     capture: &Bound<'_, PyAny>,
     definitions: Option<std::path::PathBuf>,
+    events: Option<std::path::PathBuf>,
 ) -> PyResult<Timeline> {
     let capture = self::capture(capture, None)?;
-    let options = Options { definitions, has_timeline: true, ..Options::default() };
+    let options = Options { definitions, events, has_timeline: true, ..Options::default() };
     run(py, move || checker(&options)?.explain(&capture)).map(Timeline::from)
 }
 

@@ -55,6 +55,11 @@ impl Results {
         table(&self.0, "timeline")
     }
 
+    #[getter]
+    fn events(&self) -> PyResult<Table> {
+        table(&self.0, "events")
+    }
+
     fn __repr__(&self) -> String {
         let rows = |name| self.0.get(name).map_or(0, arrow_array::RecordBatch::num_rows);
         format!("<uavspec.Results: {} captures, {} failures>", rows("captures"), rows("failures"))
@@ -111,6 +116,11 @@ impl Timeline {
     #[getter]
     fn timeline(&self) -> Table {
         self.0.timeline.clone().into()
+    }
+
+    #[getter]
+    fn events(&self) -> Table {
+        self.0.events.clone().into()
     }
 
     fn to_json(&self) -> &str {

@@ -52,12 +52,14 @@ def cluster() -> Iterator[None]:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with captures, of which every third violates a rule."""
+    """A folder with captures, of which every third violates a rule, and every second contains an event."""
     folder = tmp_path_factory.mktemp("captures")
+    event = {"timestamp": 1_000, "id": 32_794_487, "event_sequence": 1, "arguments": [6] + [0] * 24, "log_levels": 102}
     for number in range(150):
         message = {"timestamp": 1_000, "request_id": 300 if number % 3 == 0 else 7, "valid_registrations_mask": 1}
         record = {"type": "px4/ArmingCheckRequest", "message": message}
-        (folder / f"{number:03}.jsonl").write_text(json.dumps(record))
+        records = [record, {"type": "px4/Event", "message": event}] if number % 2 == 0 else [record]
+        (folder / f"{number:03}.jsonl").write_text("\n".join(map(json.dumps, records)))
     return folder
 
 
@@ -70,7 +72,7 @@ def captures(folder: Path) -> pyarrow.Table:
 def assert_right(results: Path, folder: Path, *, timeline: bool = False) -> None:
     """Asserts that the Parquet files in a folder contain the tables of `check_files`."""
     expected = uavspec.check_files(captures(folder)["capture"].to_pylist(), timeline=timeline)
-    for name in TABLES + ["timeline"] * timeline:
+    for name in TABLES + ["timeline", "events"] * timeline:
         wanted = pyarrow.table(getattr(expected, name))
         found = duckdb.sql(f"SELECT * FROM '{results}/{name}/*.parquet'")
         assert found.fetchall()

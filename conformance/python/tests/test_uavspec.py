@@ -163,6 +163,21 @@ def test_stories_are_text_json_and_a_table():
     assert str(timeline) and len(timeline.timeline) > 0
 
 
+def test_events_have_texts(tmp_path: Path):
+    event = {"timestamp": 9, "id": 32_794_487, "event_sequence": 1, "arguments": [6] + [0] * 24, "log_levels": 0x66}
+    message = json.dumps({"op": "publish", "topic": "/fmu/out/event", "msg": event}).encode()
+    [row] = rows(uavspec.explain(message).events)
+    assert (row["name"], row["message"]) == ("px4::commander_disarmed_by", "Disarmed: landing")
+    assert rows(uavspec.check(message, timeline=True).events)[0]["message"] == row["message"]
+    decoded = uavspec.px4_events.decode_event(event["id"], bytes(event["arguments"]))
+    assert decoded is not None and (decoded.name, decoded.message()) == (row["name"], row["message"])
+    own = {"1": {"name": "kite", "message": "Kite"}}
+    own = {"version": 2, "components": {"0": {"namespace": "wind", "event_groups": {"default": {"events": own}}}}}
+    (tmp_path / "events.json").write_text(json.dumps(own))
+    [row] = rows(uavspec.explain(message.replace(b"32794487", b"1"), events=tmp_path / "events.json").events)
+    assert (row["name"], row["event_metadata"]) == ("wind::kite", str(tmp_path / "events.json"))
+
+
 def test_problems_are_errors(tmp_path: Path):
     for call, problem in [
         (lambda: uavspec.check(tmp_path / "absent.ulg"), "absent.ulg: "),

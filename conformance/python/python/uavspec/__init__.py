@@ -17,14 +17,14 @@ Tables implement the Arrow PyCapsule interface, so PyArrow, Polars, DuckDB and p
 All functions release Python's lock while they work, so threads run in parallel. Each problem is an `Error`, except for
 arguments of the wrong type, which are a `TypeError`.
 
-The modules `px4`, `flockwave` and `labels` contain the types of the definitions, and `data` their JSON Schemas and test vectors.
+The modules `px4`, `px4_events`, `flockwave` and `labels` contain the types of the definitions, and `data` their JSON Schemas and test vectors.
 """
 
 from collections.abc import Iterable
 from os import PathLike
 from typing import TypeAlias, TypeVar
 
-from . import _native, flockwave, px4
+from . import _native, flockwave, px4, px4_events
 from ._native import Error, Report, Results, Timeline, Table, __version__
 
 __all__ = [
@@ -41,6 +41,7 @@ __all__ = [
     "find",
     "flockwave",
     "px4",
+    "px4_events",
     "read",
 ]
 
@@ -58,6 +59,7 @@ def check(
     *,
     name: str | None = None,
     definitions: str | PathLike[str] | None = None,
+    events: str | PathLike[str] | None = None,
     schemas: Iterable[str | PathLike[str]] = (),
     timeline: bool = False,
     strict_formats: bool = False,
@@ -70,8 +72,9 @@ def check(
         name: the name of the content in reports and tables.
         definitions: a release such as "px4@1.16", or the path of definitions. By default, uavspec chooses the release that
             the capture agrees with best.
+        events: the path of event metadata, for events in captures without it.
         schemas: folders with JSON Schemas for other Flockwave types.
-        timeline: whether the report has the table `timeline`.
+        timeline: whether the report has the tables `timeline` and `events`.
         strict_formats: whether formats that differ from the definitions are violations.
         deny_warnings: whether violations of rules of level SHOULD fail the check.
 
@@ -83,13 +86,14 @@ def check(
     'does not conform'
     """
     folders = _several(schemas, "schemas")
-    return _native.check(capture, name, definitions, folders, timeline, strict_formats, deny_warnings)
+    return _native.check(capture, name, definitions, events, folders, timeline, strict_formats, deny_warnings)
 
 
 def check_files(
     captures: Iterable[Capture | tuple[str, bytes | bytearray | memoryview]],
     *,
     definitions: str | PathLike[str] | None = None,
+    events: str | PathLike[str] | None = None,
     schemas: Iterable[str | PathLike[str]] = (),
     timeline: bool = False,
     strict_formats: bool = False,
@@ -112,7 +116,7 @@ def check_files(
     >>> len(results.captures), len(results.failures)
     (2, 1)
     """
-    options = (definitions, _several(schemas, "schemas"), timeline, strict_formats, deny_warnings)
+    options = (definitions, events, _several(schemas, "schemas"), timeline, strict_formats, deny_warnings)
     all_captures = _several(captures, "captures")
     if jobs is not None:
         if jobs < 1:
@@ -165,13 +169,18 @@ def read(
     return _native.read(capture, topic, instance, definitions)
 
 
-def explain(capture: Capture, *, definitions: str | PathLike[str] | None = None) -> Timeline:
+def explain(
+    capture: Capture,
+    *,
+    definitions: str | PathLike[str] | None = None,
+    events: str | PathLike[str] | None = None,
+) -> Timeline:
     """Explains what a vehicle did and why, like `uavspec explain`. `str` returns the text.
 
     Raises:
         Error: the capture can't be read.
     """
-    return _native.explain(capture, definitions)
+    return _native.explain(capture, definitions, events)
 
 
 def _several(values: Iterable[_T], name: str) -> list[_T]:

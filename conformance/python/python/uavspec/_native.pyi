@@ -35,6 +35,9 @@ class Results:
     @property
     def timeline(self) -> Table:
         """The changes of flags, error codes and modes. Only after a call with `timeline=True`."""
+    @property
+    def events(self) -> Table:
+        """The events of PX4 with their texts. Only after a call with `timeline=True`."""
 
 class Report(Results):
     """The report of a capture. `str` returns the text that `uavspec check` prints."""
@@ -55,12 +58,15 @@ class Timeline:
 
     @property
     def timeline(self) -> Table: ...
+    @property
+    def events(self) -> Table: ...
     def to_json(self) -> str: ...
 
 def check(
     capture: Capture,
     name: str | None,
     definitions: str | PathLike[str] | None,
+    events: str | PathLike[str] | None,
     schemas: list[str | PathLike[str]],
     timeline: bool,
     strict_formats: bool,
@@ -69,6 +75,7 @@ def check(
 def check_files(
     captures: list[Capture | tuple[str, bytes | bytearray | memoryview]],
     definitions: str | PathLike[str] | None,
+    events: str | PathLike[str] | None,
     schemas: list[str | PathLike[str]],
     timeline: bool,
     strict_formats: bool,
@@ -77,4 +84,8 @@ def check_files(
 ) -> Results: ...
 def find(inputs: list[str | PathLike[str]]) -> Table: ...
 def read(capture: Capture, topic: str, instance: int, definitions: str | PathLike[str] | None) -> Table: ...
-def explain(capture: Capture, definitions: str | PathLike[str] | None) -> Timeline: ...
+def explain(
+    capture: Capture,
+    definitions: str | PathLike[str] | None,
+    events: str | PathLike[str] | None,
+) -> Timeline: ...

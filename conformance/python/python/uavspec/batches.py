@@ -21,6 +21,7 @@ MAX_CAPTURES = 64
 """The maximum number of captures in a row of the result. It limits the memory of a worker."""
 
 KEYS = {
+    "events": ["name", "capture", "time"],
     "failures": ["capture"],
     "findings": ["rule", "field", "capture"],
     "rules": ["rule", "capture"],
@@ -35,6 +36,7 @@ class Options(TypedDict, total=False):
     """The options of `check_files`."""
 
     definitions: str | PathLike[str] | None
+    events: str | PathLike[str] | None
     schemas: list[str | PathLike[str]]
     timeline: bool
     strict_formats: bool
@@ -75,7 +77,7 @@ def _row(results: Results, options: Options) -> pyarrow.RecordBatch:
     """The tables in one row."""
     columns = {}
     for name in KEYS:
-        if name != "timeline" or options.get("timeline", False):
+        if name not in ("events", "timeline") or options.get("timeline", False):
             rows = pyarrow.table(getattr(results, name)).to_struct_array().combine_chunks()
             columns[name] = pyarrow.ListArray.from_arrays([0, len(rows)], rows)
     return pyarrow.record_batch(columns)

@@ -67,7 +67,11 @@ const TOPICS: &[(&str, &str)] = &[
         "Pages with tables and error codes",
         "missing-abbreviation missing-answer near-type-table one-sided-alternative severity-bits",
     ),
-    ("Event metadata", "event-argument-unused event-bit event-id event-version unknown-member"),
+    (
+        "Event metadata",
+        "event-argument-unused event-bit event-enum-differs event-id event-mode-missing event-version \
+         unknown-member",
+    ),
     ("Failsafe flags", "PX-FSF-01 PX-FSF-02"),
     ("Translations", "translation-fuzzy translation-missing translation-stale unknown-translation"),
     (

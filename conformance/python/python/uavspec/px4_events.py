@@ -1,0 +1,1 @@
+../../../../generated/python/px4_events.py
