@@ -9,7 +9,7 @@ use uavspec_emit::{EMITTERS, Emitter, emitter};
 use uavspec_schema::diagnostic::has_errors;
 use uavspec_schema::failure::Failure;
 use uavspec_schema::wording::plural;
-use uavspec_schema::{Schema, terminal};
+use uavspec_schema::{Package, Schema, terminal};
 
 use super::arguments::PackageArgs;
 use super::print::report;
@@ -112,16 +112,17 @@ pub(super) fn run(args: &CodegenArgs) -> Result<bool, Failure> {
 }
 
 fn summarise(loaded: &Loaded, schema: &Schema, folders: &[Folder], result: &str, started: Stopwatch) {
-    let messages: usize =
-        schema.packages.iter().map(|package| package.messages.len() + package.json_messages.len()).sum();
-    let codes: usize =
-        schema.packages.iter().flat_map(|package| &package.error_tables).map(|table| table.codes.len()).sum();
+    let total = |count: fn(&Package) -> usize| schema.packages.iter().map(count).sum::<usize>();
+    let messages = total(|package| package.messages.len() + package.json_messages.len());
+    let codes = total(|package| package.error_tables.iter().map(|table| table.codes.len()).sum());
+    let events = total(|package| package.components.iter().map(|component| component.events.len()).sum());
     let outputs: usize = folders.iter().map(|folder| folder.files.len()).sum();
+    let found = [(messages, "message"), (codes, "error code"), (events, "event")];
+    let found = found.into_iter().filter(|(count, _)| *count > 0).map(|(count, name)| plural(count, name));
+    let counts = [plural(loaded.files.len(), "file") + " read"].into_iter().chain(found);
     terminal::eprintln!(
-        "codegen: {} read, {}, {}, {}: {result} ({} ms)",
-        plural(loaded.files.len(), "file"),
-        plural(messages, "message"),
-        plural(codes, "error code"),
+        "codegen: {}, {}: {result} ({} ms)",
+        counts.collect::<Vec<_>>().join(", "),
         plural(outputs, "output"),
         started.milliseconds(),
     );

@@ -66,7 +66,7 @@ fn the_readme_of_the_npm_package_is_correct() {
         assert_eq!(run("node", &[&program], folder), example.printed, "{}", example.code);
     }
     for program in ["entries.mjs", "entries.cjs"] {
-        assert_eq!(run("node", &[program], folder), "true 1 2 true true\n", "{program}");
+        assert_eq!(run("node", &[program], folder), "true 1 3 true true\n", "{program}");
     }
 }
 

@@ -40,7 +40,7 @@ const TOPICS: [(&str, &[&str]); 15] = [
     ),
     ("PX4 formats and records", &["PX-CDR", "PX-DATA", "PX-FMT", "PX-HASH", "PX-VER"]),
     ("PX4 message sequences", &["PX-EXT", "PX-QUEUE", "PX-TIME"]),
-    ("PX4 events", &["PX-EVT"]),
+    ("Events of PX4", &["PX-EVT"]),
     ("PX4 publishers and subscribers", &["PX-QOS", "PX-TYPE"]),
 ];
 
