@@ -12,6 +12,9 @@ pub(crate) enum Command {
     Start,
     /// The first character of the line is a colon.
     Colon,
+    /// The first characters of the line are two colons. No name starts with a third one, which precedes the second place
+    /// of a diagnostic.
+    Colons,
     /// A number sign precedes.
     Hash,
     /// Two number signs and perhaps letters precede.
@@ -32,7 +35,9 @@ impl Command {
             (_, '\n') => (Self::Start, false),
             (Self::Start, ':') => (Self::Colon, false),
             (Self::Start, _) if character.is_whitespace() => (Self::Start, false),
-            (Self::Colon, ':') | (Self::Name, '[') => (Self::Text, true),
+            (Self::Colon, ':') => (Self::Colons, false),
+            (Self::Colons, _) => (Self::Text, character != ':' && character != ' '),
+            (Self::Name, '[') => (Self::Text, true),
             (Self::Hash | Self::Name, '#') => (Self::Name, false),
             (Self::Name, _) if character.is_ascii_alphabetic() => (Self::Name, false),
             (_, '#') => (Self::Hash, false),

@@ -177,9 +177,11 @@ mod tests {
 
     #[test]
     fn escapes_commands_at_the_start_of_each_line() {
-        assert_eq!(written(&[b"a ::x\n::error::y\n  ::z::"]), "a ::x\n:\\u{3a}error::y\n  :\\u{3a}z::");
+        assert_eq!(written(&[b"a ::x\n::error::y\n  ::z::"]), "a ::x\n::\\u{65}rror::y\n  ::\\u{7a}::");
         // A terminal ignores styles, and so do CI systems that remove them.
-        assert_eq!(written(&[b"\x1b[1m::error::y"]), "\u{1b}[1m:\\u{3a}error::y");
+        assert_eq!(written(&[b"\x1b[1m::error::y"]), "\u{1b}[1m::\\u{65}rror::y");
+        let second_place = "  ::: b.msg:2:1\n";
+        assert_eq!(written(&[second_place.as_bytes()]), second_place);
         assert_eq!(written(&[b"a ##v", b"so[x"]), r"a ##vso\u{5b}x");
     }
 
@@ -206,7 +208,7 @@ mod tests {
     #[test]
     fn guards_documents() {
         assert!(matches!(guarded("a\n  b: c"), Cow::Borrowed(_)));
-        assert_eq!(guarded("a\n::b\u{1b}[1m\n##[x"), "a\n:\\u{3a}b\\u{1b}[1m\n##\\u{5b}x");
-        assert_eq!(guarded("::b"), r":\u{3a}b");
+        assert_eq!(guarded("a\n::b\u{1b}[1m\n##[x"), "a\n::\\u{62}\\u{1b}[1m\n##\\u{5b}x");
+        assert_eq!(guarded("::b"), r"::\u{62}");
     }
 }

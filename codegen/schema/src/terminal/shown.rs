@@ -15,7 +15,7 @@ pub const MAX_SHOWN: usize = 1_000;
 /// use uavspec_schema::terminal::shown;
 ///
 /// assert_eq!(shown("a\n::error::b"), r"a\n::error::b");
-/// assert_eq!(shown("::error::\u{1b}[31m"), r":\u{3a}error::\u{1b}[31m");
+/// assert_eq!(shown("::error::\u{1b}[31m"), r"::\u{65}rror::\u{1b}[31m");
 /// ```
 pub fn shown(text: &str) -> String {
     shown_up_to(MAX_SHOWN, text)
@@ -84,10 +84,12 @@ mod tests {
     #[test]
     fn escapes_commands_of_ci_systems() {
         for (text, expected) in [
-            ("::error::x", r":\u{3a}error::x"),
-            (" ::error::x", r" :\u{3a}error::x"),
-            ("a ::error::x", r"a :\u{3a}error::x"),
+            ("::error::x", r"::\u{65}rror::x"),
+            (" ::error::x", r" ::\u{65}rror::x"),
+            ("a ::error::x", r"a ::\u{65}rror::x"),
             ("a::b", "a::b"),
+            (":: error::", ":: error::"),
+            (":::error::", ":::error::"),
             ("x ##vso[task.complete]", r"x ##vso\u{5b}task.complete]"),
             ("###[error]", r"###\u{5b}error]"),
             ("#[error]", "#[error]"),
