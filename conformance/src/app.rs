@@ -160,7 +160,7 @@ enum Command {
     /// at 10 m above home, return and land. After the landing, they are halted and restarted.
     ///
     /// Ctrl-C ends the probe. It first lands the UAVs that it commanded, stops their motors and wakes them, and then
-    /// writes its reports. A second Ctrl-C leaves immediately. UAVs that may still fly are the last line printed.
+    /// writes its reports. A second Ctrl-C leaves immediately. UAVs that may still be flying are the last line printed.
     Probe(Box<probe::ProbeArgs>),
     /// Run a reference Flockwave server, or a reference PX4 flight controller or external mode.
     ///

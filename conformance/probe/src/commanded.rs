@@ -38,7 +38,7 @@ impl Effect {
         let uav = uavspec_model::text::shown(uav);
         match self {
             Self::Asleep => format!("UAV {uav} may still be asleep"),
-            Self::Airborne => format!("UAV {uav} may still fly"),
+            Self::Airborne => format!("UAV {uav} may still be flying"),
             Self::MotorsOn => format!("the motors of UAV {uav} may still run"),
         }
     }
@@ -235,10 +235,10 @@ mod tests {
     fn remembers_each_command_that_changes_a_uav() {
         let ids = ["07", UNKNOWN_ID];
         for (kind, risk) in [
-            ("UAV-TAKEOFF", Some("UAV 07 may still fly")),
-            ("UAV-FLY", Some("UAV 07 may still fly")),
-            ("UAV-HOVER", Some("UAV 07 may still fly")),
-            ("UAV-RTH", Some("UAV 07 may still fly")),
+            ("UAV-TAKEOFF", Some("UAV 07 may still be flying")),
+            ("UAV-FLY", Some("UAV 07 may still be flying")),
+            ("UAV-HOVER", Some("UAV 07 may still be flying")),
+            ("UAV-RTH", Some("UAV 07 may still be flying")),
             ("UAV-SLEEP", Some("UAV 07 may still be asleep")),
             ("UAV-MOTOR", Some("the motors of UAV 07 may still run")),
             ("UAV-LAND", None),

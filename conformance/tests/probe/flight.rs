@@ -385,7 +385,7 @@ fn a_second_interrupt_leaves_immediately_and_warns() {
     let (status, printed, errors) = running.wait();
     assert_eq!((status, printed.as_str()), (Some(130), ""), "{errors}");
     let last = errors.lines().last().expect("a line");
-    assert!(last.starts_with("\u{1b}[1m\u{1b}[31merror: UAV glider-2 may still fly"), "{last:?}");
+    assert!(last.starts_with("\u{1b}[1m\u{1b}[31merror: UAV glider-2 may still be flying"), "{last:?}");
     assert!(state(&server).0 > 0, "the proxy lost the command to land");
     let landings = requests.types().iter().filter(|name| *name == "UAV-LAND").count();
     assert!(landings >= 3, "{landings}");
@@ -455,9 +455,9 @@ fn the_last_line_names_uavs_that_may_still_fly() {
     let running = Running::flying(&format!("tcp://{proxy}"), &[&FLIGHT[..], &more].concat());
     let (status, printed, errors) = running.wait();
     let last = errors.lines().last().expect("a line");
-    assert!(last.starts_with("\u{1b}[1m\u{1b}[31merror: UAV glider-2 may still fly ("), "{errors:?}");
+    assert!(last.starts_with("\u{1b}[1m\u{1b}[31merror: UAV glider-2 may still be flying ("), "{errors:?}");
     assert!(matches!(status, Some(1 | 6)), "{status:?}: {errors}");
-    assert!(printed.contains("UAV glider-2 may still fly"), "{printed}");
+    assert!(printed.contains("UAV glider-2 may still be flying"), "{printed}");
     let report: Value = serde_json::from_slice(&std::fs::read(report).expect("a report")).expect("JSON");
-    assert!(report["subjects"][0]["incomplete"].to_string().contains("may still fly"), "{report}");
+    assert!(report["subjects"][0]["incomplete"].to_string().contains("may still be flying"), "{report}");
 }

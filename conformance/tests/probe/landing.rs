@@ -221,7 +221,7 @@ fn a_uav_that_is_lost_in_flight_is_not_safe() {
     let limit = Duration::from_secs(20);
     let probed = sky.flown(|_| Pass::Forward, |options| Options { landing_limit: limit, ..options });
     let danger = probed.danger.expect("a UAV");
-    assert!(danger.starts_with("UAV glider-2 may still fly (its altitude is unknown"), "{danger}");
+    assert!(danger.starts_with("UAV glider-2 may still be flying (its altitude is unknown"), "{danger}");
     assert_eq!((sky.count("UAV-HALT"), sky.count("UAV-RTH") <= 1), (0, true));
     assert!(sky.count("UAV-LAND") > 3, "it may come back");
 }
