@@ -28,6 +28,7 @@ mod inputs;
 mod interrupt;
 mod lsp;
 mod man;
+mod new_files;
 mod outcome;
 mod outputs;
 mod probe;
@@ -35,6 +36,7 @@ mod progress;
 mod report;
 mod required;
 mod rules;
+mod sample;
 mod self_test;
 mod serve;
 #[cfg(not(feature = "stores"))]
@@ -113,6 +115,11 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Write a log, a bag and a recorded session to try out the other commands.
+    ///
+    /// The three files tell the same short flight: the vehicle can't arm before GPS has a fix, takes off, returns because
+    /// its battery is low, and lands. Each file violates one rule.
+    Sample(sample::SampleArgs),
     /// Create a workspace for definitions.
     ///
     /// If the folder contains .msg, .srv or .action files, uavspec.toml lists them with their package and dialect.
@@ -294,6 +301,7 @@ impl From<&Outcome> for Status {
 pub fn main() -> ExitCode {
     let exit = match terminal::parse_as::<Cli>(interface(), shown_value).command {
         Command::Definitions(command) => return command.run(),
+        Command::Sample(args) => sample::run(&args),
         Command::Init(args) => init::run(&args),
         Command::Check(args) => check::check(&args),
         Command::Convert(args) => convert::run(&args),

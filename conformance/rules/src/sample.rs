@@ -10,6 +10,7 @@ mod encoding;
 mod events;
 mod lines;
 mod log;
+pub mod story;
 
 use std::collections::BTreeMap;
 

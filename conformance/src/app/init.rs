@@ -1,9 +1,7 @@
 //! `uavspec init`.
 
 mod files;
-mod write;
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -12,7 +10,8 @@ use uavspec_model::text::{command_line, terminal};
 use uavspec_schema::Failure;
 use uavspec_schema::msg::Dialect;
 
-use self::files::{Files, RUNTIME};
+use self::files::RUNTIME;
+use super::new_files::{NewFiles, shown};
 use super::{Exit, Status};
 
 const EXAMPLES: &str = "Examples:
@@ -45,18 +44,14 @@ fn init(args: &InitArgs) -> Result<(), Failure> {
     let folder = &args.folder;
     let found = if folder.is_dir() { find_packages(folder)? } else { Vec::new() };
     let files = files(args, &found);
-    check_absent(folder, &files)?;
-    write::write(folder, &files).map_err(|error| {
-        Failure::new(format!("{}: {error}; nothing was written", terminal::path(folder)))
-            .with_hint("check that the folder is writable")
-    })?;
+    files.write(folder)?;
     report(args, &found, &files);
     Ok(())
 }
 
 /// The files of a workspace for the packages, or for an example.
-fn files(args: &InitArgs, found: &[FoundPackage]) -> Files {
-    let mut files = Files::default();
+fn files(args: &InitArgs, found: &[FoundPackage]) -> NewFiles {
+    let mut files = NewFiles::default();
     let example = || FoundPackage {
         name: package_name(&args.folder),
         dialect: Dialect::Px4,
@@ -94,34 +89,8 @@ impl InitArgs {
     }
 }
 
-/// Fails if one of the files exists, a file with the name of a folder, or the folder of the copy. The failure lists all
-/// of them.
-fn check_absent(folder: &Path, files: &Files) -> Result<(), Failure> {
-    let obstacle = |file: &Path| {
-        let mut parents = file.ancestors().skip(1).filter(|parent| !parent.as_os_str().is_empty());
-        let parent = parents.find(|parent| {
-            let path = folder.join(parent);
-            path.exists() && (*parent == Path::new(RUNTIME) || !path.is_dir())
-        });
-        let exists = fs::symlink_metadata(folder.join(file)).is_ok();
-        parent.or(exists.then_some(file)).map(|path| shown(folder, path))
-    };
-    let mut existing: Vec<String> = files.paths().filter_map(obstacle).collect();
-    existing.dedup();
-    if existing.is_empty() {
-        return Ok(());
-    }
-    let message = format!("nothing was written, because these files exist:\n  {}", existing.join("\n  "));
-    Err(Failure::new(message).with_hint("choose another folder, or move the files"))
-}
-
-/// The displayed path of a file.
-fn shown(folder: &Path, path: &Path) -> String {
-    terminal::path(folder.strip_prefix(".").unwrap_or(folder).join(path))
-}
-
 /// Prints the packages, the files, and the next commands.
-fn report(args: &InitArgs, found: &[FoundPackage], files: &Files) {
+fn report(args: &InitArgs, found: &[FoundPackage], files: &NewFiles) {
     for FoundPackage { name, dialect, include } in found {
         terminal::println!("found package {name} ({dialect}): {}", terminal::shown(&include.join(", ")));
     }

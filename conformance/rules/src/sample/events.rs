@@ -47,7 +47,7 @@ pub(super) fn set_reason(event: &mut Value) {
 }
 
 /// The id and the arguments of an event.
-fn of<E: Event>(event: &E) -> [Value; 2] {
+pub(super) fn of<E: Event>(event: &E) -> [Value; 2] {
     let arguments: [u8; MAX_ARGUMENTS_SIZE] = event.encode();
     [E::ID.into(), arguments.as_slice().into()]
 }

@@ -1,11 +1,13 @@
 //! The files that `uavspec init` writes.
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use toml::Value;
 use uavspec_codegen::load::FoundPackage;
 use uavspec_runtime::sources::{Dir, LICENCES, SOURCES};
+
+use crate::app::new_files::NewFiles;
 
 /// The folder of the copy of the crate `uavspec-runtime`.
 pub(super) const RUNTIME: &str = "uavspec-runtime";
@@ -26,21 +28,7 @@ mod generated;
 pub use generated::*;
 ";
 
-/// Files with their content, in the order of output.
-#[derive(Debug, Default)]
-pub(super) struct Files(Vec<(PathBuf, String)>);
-
-impl Files {
-    /// The paths, relative to the folder of the workspace.
-    pub(super) fn paths(&self) -> impl Iterator<Item = &Path> {
-        self.iter().map(|(path, _)| path)
-    }
-
-    /// The paths with the content of the files.
-    pub(super) fn iter(&self) -> impl Iterator<Item = (&Path, &str)> {
-        self.0.iter().map(|(path, text)| (path.as_path(), text.as_str()))
-    }
-
+impl NewFiles {
     /// Adds a definition.
     pub(super) fn add_example(&mut self) {
         self.add("msg/Wind.msg", include_str!("Wind.msg"));
@@ -60,18 +48,19 @@ impl Files {
                 patterns.join(", ")
             );
         }
-        self.add("uavspec.toml", &text);
+        self.add("uavspec.toml", text);
     }
 
     /// Adds a Cargo workspace with a crate for the generated code, and the crate that generated code requires.
     pub(super) fn add_crate(&mut self) {
+        self.new_folder = Some(RUNTIME);
         self.add("Cargo.toml", include_str!("workspace.toml"));
         self.add("messages/Cargo.toml", include_str!("messages.toml"));
         self.add("messages/src/lib.rs", MESSAGES);
         let manifest = include_str!("runtime.toml").replace("VERSION", env!("CARGO_PKG_VERSION"));
-        self.add(&format!("{RUNTIME}/Cargo.toml"), &manifest);
+        self.add(format!("{RUNTIME}/Cargo.toml"), manifest);
         for (name, text) in LICENCES {
-            self.add(&format!("{RUNTIME}/{name}"), text);
+            self.add(format!("{RUNTIME}/{name}"), text);
         }
         self.add_folder(&SOURCES);
     }
@@ -79,21 +68,18 @@ impl Files {
     fn add_folder(&mut self, folder: &Dir<'_>) {
         for file in folder.files() {
             let path = Path::new(RUNTIME).join("src").join(file.path());
-            self.0.push((path, file.contents_utf8().unwrap_or_default().to_owned()));
+            self.add(path, file.contents());
         }
         for folder in folder.dirs() {
             self.add_folder(folder);
         }
-    }
-
-    fn add(&mut self, path: &str, text: &str) {
-        self.0.push((path.into(), text.to_owned()));
     }
 }
 
 #[cfg(test)]
 mod tests {
     use std::fs;
+    use std::path::PathBuf;
 
     use toml::Table;
 
@@ -116,10 +102,11 @@ mod tests {
 
     #[test]
     fn the_manifest_of_the_copy_is_that_of_the_crate() {
-        let mut files = Files::default();
+        let mut files = NewFiles::default();
         files.add_crate();
-        let copied = files.iter().find(|(path, _)| path.ends_with("uavspec-runtime/Cargo.toml"));
-        let copied: Table = copied.expect("a manifest").1.parse().expect("TOML");
+        let copied = files.files.iter().find(|(path, _)| path.ends_with("uavspec-runtime/Cargo.toml"));
+        let copied = std::str::from_utf8(&copied.expect("a manifest").1).expect("UTF-8");
+        let copied: Table = copied.parse().expect("TOML");
         let (own, root) = (manifest("generated/runtime/Cargo.toml"), manifest("Cargo.toml"));
         // The weak features of `alloc` would make Cargo look for optional dependencies in a registry.
         let mut features = own["features"].as_table().expect("features").clone();
@@ -150,22 +137,22 @@ mod tests {
 
     #[test]
     fn the_copy_contains_all_source_files() {
-        let mut files = Files::default();
+        let mut files = NewFiles::default();
         files.add_crate();
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../generated/runtime/src");
-        let mut expected: Vec<(PathBuf, String)> = walkdir::WalkDir::new(&folder)
+        let mut expected: Vec<(PathBuf, Vec<u8>)> = walkdir::WalkDir::new(&folder)
             .into_iter()
             .map(|entry| entry.expect("an entry"))
             .filter(|entry| entry.file_type().is_file())
             .map(|entry| {
                 let path =
                     Path::new("uavspec-runtime/src").join(entry.path().strip_prefix(&folder).expect("below"));
-                (path, fs::read_to_string(entry.path()).expect("a text"))
+                (path, fs::read(entry.path()).expect("a file"))
             })
             .collect();
         expected.sort();
         let mut copied: Vec<_> =
-            files.0.into_iter().filter(|(path, _)| path.starts_with("uavspec-runtime/src")).collect();
+            files.files.into_iter().filter(|(path, _)| path.starts_with("uavspec-runtime/src")).collect();
         copied.sort();
         assert!(copied == expected, "the files differ");
     }
