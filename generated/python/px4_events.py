@@ -214,10 +214,10 @@ class ArmDisarmReason(OpenIntEnum):
     """RC switch"""
 
     COMMAND_INTERNAL = 3
-    """command from the vehicle itself"""
+    """internal command"""
 
     COMMAND_EXTERNAL = 4
-    """command from outside"""
+    """external command"""
 
     MISSION_START = 5
     """start of a mission"""
@@ -266,38 +266,38 @@ class BatteryFaultReason(OpenIntEnum):
     """over-current"""
 
     FAULT_TEMPERATURE = 4
-    """temperature fault"""
+    """overtemperature"""
 
     UNDER_TEMPERATURE = 5
-    """too cold"""
+    """undertemperature"""
 
     INCOMPATIBLE_VOLTAGE = 6
-    """unsuitable voltage"""
+    """incompatible voltage"""
 
     INCOMPATIBLE_FIRMWARE = 7
-    """unsuitable firmware"""
+    """incompatible firmware"""
 
     INCOMPATIBLE_MODEL = 8
-    """unsuitable model"""
+    """unsupported model"""
 
     HARDWARE_FAULT = 9
     """hardware fault"""
 
     OVER_TEMPERATURE = 10
-    """too hot"""
+    """overtemperature warning"""
 
 
 class BatteryMode(OpenIntEnum):
     """The type battery_mode_t."""
 
     UNKNOWN = 0
-    """unknown"""
+    """normal or unknown"""
 
     AUTODISCHARGING = 1
-    """discharging for storage"""
+    """automatic discharge to storage level"""
 
     HOTSWAP = 2
-    """exchange during operation"""
+    """hot swap"""
 
 
 class EscFaultReason(OpenIntEnum):
@@ -378,19 +378,19 @@ class FailsafeCause(OpenIntEnum):
     """unspecified"""
 
     MANUAL_CONTROL_LOSS = 1
-    """the sticks are lost"""
+    """manual control input lost"""
 
     GCS_CONNECTION_LOSS = 2
-    """the ground station is lost"""
+    """ground station link lost"""
 
     LOW_BATTERY_LEVEL = 3
     """low battery"""
 
     CRITICAL_BATTERY_LEVEL = 4
-    """critical battery"""
+    """critical battery level"""
 
     EMERGENCY_BATTERY_LEVEL = 5
-    """empty battery"""
+    """emergency battery level"""
 
 
 class HealthComponent(IntFlag):
@@ -845,7 +845,7 @@ class CheckBatteryDisconnected(TypedDict):
 
 
 class CheckBatteryFault(TypedDict):
-    """Arguments of the event check_battery_fault: Battery {3} reports a fault: {4}. {5} (code {6})"""
+    """Arguments of the event check_battery_fault: Battery {3} reports a fault: {4} (manufacturer code {6}). {5}"""
 
     modes: Union["NavigationModeGroup", int]
     """type: navigation_mode_group_t"""
@@ -903,7 +903,7 @@ class CheckBatteryPreflightLow(TypedDict):
 
 
 class CheckBatteryRemFlightTimeLow(TypedDict):
-    """Arguments of the event check_battery_rem_flight_time_low: Little flight time is left"""
+    """Arguments of the event check_battery_rem_flight_time_low: Remaining battery flight time too low"""
 
     modes: Union["NavigationModeGroup", int]
     """type: navigation_mode_group_t"""
@@ -913,7 +913,7 @@ class CheckBatteryRemFlightTimeLow(TypedDict):
 
 
 class CheckBatteryUnhealthy(TypedDict):
-    """Arguments of the event check_battery_unhealthy: A battery is missing or defective"""
+    """Arguments of the event check_battery_unhealthy: Battery missing, unresponsive or faulty"""
 
     modes: Union["NavigationModeGroup", int]
     """type: navigation_mode_group_t"""
@@ -1004,7 +1004,7 @@ class CheckEscsTelemMissing(TypedDict):
 
 
 class CheckEstimatorGnssFault(TypedDict):
-    """Arguments of the event check_estimator_gnss_fault: The heading from GNSS is unreliable"""
+    """Arguments of the event check_estimator_gnss_fault: The GPS heading is unreliable"""
 
     modes: Union["NavigationModeGroup", int]
     """type: navigation_mode_group_t"""
@@ -1014,15 +1014,15 @@ class CheckEstimatorGnssFault(TypedDict):
 
 
 class CheckEstimatorGnssFusionStarted(TypedDict):
-    """Arguments of the event check_estimator_gnss_fusion_started: The estimator uses GNSS from now on"""
+    """Arguments of the event check_estimator_gnss_fusion_started: The estimator started to use GPS"""
 
 
 class CheckEstimatorGnssFusionStopped(TypedDict):
-    """Arguments of the event check_estimator_gnss_fusion_stopped: The estimator no longer uses GNSS"""
+    """Arguments of the event check_estimator_gnss_fusion_stopped: The estimator stopped using GPS"""
 
 
 class CheckEstimatorGpsFixTooLow(TypedDict):
-    """Arguments of the event check_estimator_gps_fix_too_low: GPS has no sufficient fix"""
+    """Arguments of the event check_estimator_gps_fix_too_low: GPS has no 3D fix"""
 
     modes: Union["NavigationModeGroup", int]
     """type: navigation_mode_group_t"""
@@ -1062,7 +1062,7 @@ class CheckEstimatorGpsHorPosErrTooHigh(TypedDict):
 
 
 class CheckEstimatorGpsHorSpeedDriftTooHigh(TypedDict):
-    """Arguments of the event check_estimator_gps_hor_speed_drift_too_high: The horizontal GPS speed drifts too much"""
+    """Arguments of the event check_estimator_gps_hor_speed_drift_too_high: The horizontal GPS speed at rest is too high"""
 
     modes: Union["NavigationModeGroup", int]
     """type: navigation_mode_group_t"""
@@ -1112,7 +1112,7 @@ class CheckEstimatorGpsNumSatsTooLow(TypedDict):
 
 
 class CheckEstimatorGpsPdopTooHigh(TypedDict):
-    """Arguments of the event check_estimator_gps_pdop_too_high: The GPS satellites stand unfavourably (PDOP)"""
+    """Arguments of the event check_estimator_gps_pdop_too_high: The geometry of the GPS satellites is poor (PDOP too high)"""
 
     modes: Union["NavigationModeGroup", int]
     """type: navigation_mode_group_t"""
@@ -1162,7 +1162,7 @@ class CheckEstimatorGpsVertPosErrTooHigh(TypedDict):
 
 
 class CheckEstimatorGpsVertSpeedDriftTooHigh(TypedDict):
-    """Arguments of the event check_estimator_gps_vert_speed_drift_too_high: The vertical GPS speed drifts too much"""
+    """Arguments of the event check_estimator_gps_vert_speed_drift_too_high: The vertical GPS speed differs too much from the estimate"""
 
     modes: Union["NavigationModeGroup", int]
     """type: navigation_mode_group_t"""
@@ -1400,7 +1400,7 @@ class CheckExternalModesUnresponsive(TypedDict):
 
 
 class CheckFailureDetectorAlt(TypedDict):
-    """Arguments of the event check_failure_detector_alt: The failure detector noticed a loss of altitude"""
+    """Arguments of the event check_failure_detector_alt: The failure detector found an altitude failure"""
 
     modes: Union["NavigationModeGroup", int]
     """type: navigation_mode_group_t"""
@@ -1470,7 +1470,7 @@ class CheckFailureDetectorRoll(TypedDict):
 
 
 class CheckFlightTimeLimit(TypedDict):
-    """Arguments of the event check_flight_time_limit: The flight time has reached its limit"""
+    """Arguments of the event check_flight_time_limit: Flight time limit exceeded"""
 
     modes: Union["NavigationModeGroup", int]
     """type: navigation_mode_group_t"""
@@ -1480,7 +1480,7 @@ class CheckFlightTimeLimit(TypedDict):
 
 
 class CheckGfNoHome(TypedDict):
-    """Arguments of the event check_gf_no_home: The geofence returns to home, but home is unknown"""
+    """Arguments of the event check_gf_no_home: The geofence action is Return, but the home position is not set"""
 
     modes: Union["NavigationModeGroup", int]
     """type: navigation_mode_group_t"""
@@ -1490,7 +1490,7 @@ class CheckGfNoHome(TypedDict):
 
 
 class CheckGfViolationCustomGf(TypedDict):
-    """Arguments of the event check_gf_violation_custom_gf: The vehicle is at or beyond a geofence"""
+    """Arguments of the event check_gf_violation_custom_gf: The vehicle is near or outside a geofence"""
 
     modes: Union["NavigationModeGroup", int]
     """type: navigation_mode_group_t"""
@@ -1755,7 +1755,7 @@ class CheckMissingSystemPower(TypedDict):
 
 
 class CheckMissionFailure(TypedDict):
-    """Arguments of the event check_mission_failure: The mission can't be completed"""
+    """Arguments of the event check_mission_failure: Mission cannot continue"""
 
     modes: Union["NavigationModeGroup", int]
     """type: navigation_mode_group_t"""
@@ -1765,7 +1765,7 @@ class CheckMissionFailure(TypedDict):
 
 
 class CheckModesAngularVelocity(TypedDict):
-    """Arguments of the event check_modes_angular_velocity: The angular velocity is unknown"""
+    """Arguments of the event check_modes_angular_velocity: No valid angular velocity"""
 
     modes: Union["NavigationModeGroup", int]
     """type: navigation_mode_group_t"""
@@ -1775,7 +1775,7 @@ class CheckModesAngularVelocity(TypedDict):
 
 
 class CheckModesAttitude(TypedDict):
-    """Arguments of the event check_modes_attitude: The attitude is unknown"""
+    """Arguments of the event check_modes_attitude: No valid attitude"""
 
     modes: Union["NavigationModeGroup", int]
     """type: navigation_mode_group_t"""
@@ -1785,7 +1785,7 @@ class CheckModesAttitude(TypedDict):
 
 
 class CheckModesCannotTakeoff(TypedDict):
-    """Arguments of the event check_modes_cannot_takeoff: The vehicle can't take off in this mode"""
+    """Arguments of the event check_modes_cannot_takeoff: The vehicle can't arm in this mode"""
 
     modes: Union["NavigationModeGroup", int]
     """type: navigation_mode_group_t"""
@@ -1795,7 +1795,7 @@ class CheckModesCannotTakeoff(TypedDict):
 
 
 class CheckModesGlobalPos(TypedDict):
-    """Arguments of the event check_modes_global_pos: The global position is unknown"""
+    """Arguments of the event check_modes_global_pos: No valid global position"""
 
     modes: Union["NavigationModeGroup", int]
     """type: navigation_mode_group_t"""
@@ -1805,7 +1805,7 @@ class CheckModesGlobalPos(TypedDict):
 
 
 class CheckModesHomePosition(TypedDict):
-    """Arguments of the event check_modes_home_position: The home position is unknown"""
+    """Arguments of the event check_modes_home_position: Home position not set"""
 
     modes: Union["NavigationModeGroup", int]
     """type: navigation_mode_group_t"""
@@ -1815,7 +1815,7 @@ class CheckModesHomePosition(TypedDict):
 
 
 class CheckModesLocalAlt(TypedDict):
-    """Arguments of the event check_modes_local_alt: The altitude is unknown"""
+    """Arguments of the event check_modes_local_alt: No valid local altitude"""
 
     modes: Union["NavigationModeGroup", int]
     """type: navigation_mode_group_t"""
@@ -1825,7 +1825,7 @@ class CheckModesLocalAlt(TypedDict):
 
 
 class CheckModesLocalPos(TypedDict):
-    """Arguments of the event check_modes_local_pos: The local position is unknown"""
+    """Arguments of the event check_modes_local_pos: No valid local position"""
 
     modes: Union["NavigationModeGroup", int]
     """type: navigation_mode_group_t"""
@@ -1835,7 +1835,7 @@ class CheckModesLocalPos(TypedDict):
 
 
 class CheckModesManualControl(TypedDict):
-    """Arguments of the event check_modes_manual_control: No sticks are connected"""
+    """Arguments of the event check_modes_manual_control: No manual control input"""
 
     modes: Union["NavigationModeGroup", int]
     """type: navigation_mode_group_t"""
@@ -1855,7 +1855,7 @@ class CheckModesMission(TypedDict):
 
 
 class CheckModesOffboardSignal(TypedDict):
-    """Arguments of the event check_modes_offboard_signal: The offboard computer sends no setpoints"""
+    """Arguments of the event check_modes_offboard_signal: No offboard signal: setpoints or a required estimate are missing"""
 
     modes: Union["NavigationModeGroup", int]
     """type: navigation_mode_group_t"""
@@ -1905,7 +1905,7 @@ class CheckParachuteUnhealthy(TypedDict):
 
 
 class CheckRcDlNoDllink(TypedDict):
-    """Arguments of the event check_rc_dl_no_dllink: No ground station is connected"""
+    """Arguments of the event check_rc_dl_no_dllink: No ground station link"""
 
     modes: Union["NavigationModeGroup", int]
     """type: navigation_mode_group_t"""
@@ -2091,7 +2091,7 @@ class CheckSystemVtolInTransition(TypedDict):
 
 
 class CheckVtolFixedWingSystemFailure(TypedDict):
-    """Arguments of the event check_vtol_fixed_wing_system_failure: The VTOL's fixed-wing flight has failed"""
+    """Arguments of the event check_vtol_fixed_wing_system_failure: Fixed-wing system of the VTOL failed"""
 
     modes: Union["NavigationModeGroup", int]
     """type: navigation_mode_group_t"""
@@ -2118,7 +2118,7 @@ class CommanderArmDeniedCalibrating(TypedDict):
 
 
 class CommanderArmDeniedNotManual(TypedDict):
-    """Arguments of the event commander_arm_denied_not_manual: Can't arm outside of manual modes"""
+    """Arguments of the event commander_arm_denied_not_manual: Can't arm by remote control: select a manual mode first"""
 
 
 class CommanderArmDeniedThrottleCenter(TypedDict):
@@ -2126,7 +2126,7 @@ class CommanderArmDeniedThrottleCenter(TypedDict):
 
 
 class CommanderArmDeniedThrottleHigh(TypedDict):
-    """Arguments of the event commander_arm_denied_throttle_high: Can't arm: the throttle isn't at zero"""
+    """Arguments of the event commander_arm_denied_throttle_high: Can't arm: the throttle is too high"""
 
 
 class CommanderArmedBy(TypedDict):
@@ -2167,11 +2167,11 @@ class CommanderDisarmedBy(TypedDict):
 
 
 class CommanderDlRegained(TypedDict):
-    """Arguments of the event commander_dl_regained: The ground station is connected again"""
+    """Arguments of the event commander_dl_regained: Ground station link regained"""
 
 
 class CommanderFailsafeEnter(TypedDict):
-    """Arguments of the event commander_failsafe_enter: Failsafe: {3}, so {2}"""
+    """Arguments of the event commander_failsafe_enter: Failsafe: {3}. Action: {2}"""
 
     arg0: int
     """type: uint32_t"""
@@ -2184,11 +2184,11 @@ class CommanderFailsafeEnter(TypedDict):
 
 
 class CommanderFailsafeEnterCritBatWarn(TypedDict):
-    """Arguments of the event commander_failsafe_enter_crit_bat_warn: The battery is almost empty: land now"""
+    """Arguments of the event commander_failsafe_enter_crit_bat_warn: Critical battery level: land now"""
 
 
 class CommanderFailsafeEnterCritLowBatWarn(TypedDict):
-    """Arguments of the event commander_failsafe_enter_crit_low_bat_warn: The battery is empty: land at once"""
+    """Arguments of the event commander_failsafe_enter_crit_low_bat_warn: Emergency battery level: land immediately"""
 
 
 class CommanderFailsafeEnterGeneric(TypedDict):
@@ -2222,7 +2222,7 @@ class CommanderFailsafeEnterGenericWarn(TypedDict):
 
 
 class CommanderFailsafeEnterHold(TypedDict):
-    """Arguments of the event commander_failsafe_enter_hold: Failsafe: {4}, so {2} in {3} s"""
+    """Arguments of the event commander_failsafe_enter_hold: Failsafe: {4}. Action in {3} s: {2}"""
 
     arg0: int
     """type: uint32_t"""
@@ -2238,7 +2238,7 @@ class CommanderFailsafeEnterHold(TypedDict):
 
 
 class CommanderFailsafeEnterLowBat(TypedDict):
-    """Arguments of the event commander_failsafe_enter_low_bat: Battery charge is low: return"""
+    """Arguments of the event commander_failsafe_enter_low_bat: Battery charge is low: return advised"""
 
 
 class CommanderFailsafeEnterWarn(TypedDict):
@@ -2252,7 +2252,7 @@ class CommanderFailsafeEnterWarn(TypedDict):
 
 
 class CommanderGcsLost(TypedDict):
-    """Arguments of the event commander_gcs_lost: The ground station is lost"""
+    """Arguments of the event commander_gcs_lost: Ground station link lost"""
 
 
 class CommanderHealthSummary(TypedDict):
@@ -2288,29 +2288,29 @@ class CommanderLandingDetected(TypedDict):
 
 
 class CommanderLowBatShutdown(TypedDict):
-    """Arguments of the event commander_low_bat_shutdown: The battery is empty: the system shuts down"""
+    """Arguments of the event commander_low_bat_shutdown: Dangerously low battery: the system shuts down"""
 
 
 class CommanderLowBatShutdownFailed(TypedDict):
-    """Arguments of the event commander_low_bat_shutdown_failed: The battery is empty, but the system can't shut down"""
+    """Arguments of the event commander_low_bat_shutdown_failed: Dangerously low battery, but the system can't shut down"""
 
 
 class CommanderMaxFlightTimeWarningMinutes(TypedDict):
-    """Arguments of the event commander_max_flight_time_warning_minutes: The vehicle returns in {1} min: the flight time ends"""
+    """Arguments of the event commander_max_flight_time_warning_minutes: Near the flight time limit: the vehicle returns in {1} min"""
 
     arg0: int
     """type: int16_t"""
 
 
 class CommanderMaxFlightTimeWarningSeconds(TypedDict):
-    """Arguments of the event commander_max_flight_time_warning_seconds: The vehicle returns in {1} s: the flight time ends"""
+    """Arguments of the event commander_max_flight_time_warning_seconds: Near the flight time limit: the vehicle returns in {1} s"""
 
     arg0: int
     """type: int16_t"""
 
 
 class CommanderMissionCompLost(TypedDict):
-    """Arguments of the event commander_mission_comp_lost: The mission computer is lost"""
+    """Arguments of the event commander_mission_comp_lost: Connection to the onboard computer lost"""
 
 
 class CommanderMissionStartDeniedNoMission(TypedDict):
@@ -2332,7 +2332,7 @@ class CommanderModeswitchNotAvail(TypedDict):
 
 
 class CommanderOnboardCtrlRegained(TypedDict):
-    """Arguments of the event commander_onboard_ctrl_regained: The onboard controller is connected again"""
+    """Arguments of the event commander_onboard_ctrl_regained: Connection to the onboard computer regained"""
 
 
 class CommanderOpenDroneIdLost(TypedDict):
@@ -2348,7 +2348,7 @@ class CommanderParachuteRegained(TypedDict):
 
 
 class CommanderRcLost(TypedDict):
-    """Arguments of the event commander_rc_lost: The sticks are lost"""
+    """Arguments of the event commander_rc_lost: Manual control input lost"""
 
 
 class CommanderRcOverride(TypedDict):
@@ -2356,7 +2356,7 @@ class CommanderRcOverride(TypedDict):
 
 
 class CommanderRcRegained(TypedDict):
-    """Arguments of the event commander_rc_regained: The sticks are back after {1:.1} s"""
+    """Arguments of the event commander_rc_regained: Manual control input regained after {1:.1} s"""
 
     arg0: Union[float, None]
     """type: float"""
@@ -2376,28 +2376,28 @@ class FailsafeRcOverride(TypedDict):
 
 _EVENTS: EventData = (
     (
-        ("px4_events/px4::arm_disarm_reason_t", 0, "", {0: ("transition_to_standby", "change to standby"), 1: ("rc_stick", "stick gesture"), 2: ("rc_switch", "RC switch"), 3: ("command_internal", "command from the vehicle itself"), 4: ("command_external", "command from outside"), 5: ("mission_start", "start of a mission"), 6: ("auto_disarm_land", "landing"), 7: ("auto_disarm_preflight", "no takeoff after arming"), 8: ("kill_switch", "kill switch"), 9: ("lockdown", "lockdown"), 10: ("failure_detector", "failure detector"), 11: ("shutdown", "shutdown"), 12: ("unit_test", "unit test"), 13: ("rc_button", "RC button"), 14: ("failsafe", "failsafe")}),
-        ("px4_events/px4::battery_fault_reason_t", 0, "", {0: ("deep_discharge", "deep discharge"), 1: ("voltage_spikes", "voltage spikes"), 2: ("cell_fail", "cell failure"), 3: ("over_current", "over-current"), 4: ("fault_temperature", "temperature fault"), 5: ("under_temperature", "too cold"), 6: ("incompatible_voltage", "unsuitable voltage"), 7: ("incompatible_firmware", "unsuitable firmware"), 8: ("incompatible_model", "unsuitable model"), 9: ("hardware_fault", "hardware fault"), 10: ("over_temperature", "too hot")}),
-        ("px4_events/px4::battery_mode_t", 0, "", {0: ("unknown", "unknown"), 1: ("autodischarging", "discharging for storage"), 2: ("hotswap", "exchange during operation")}),
+        ("px4_events/px4::arm_disarm_reason_t", 0, "", {0: ("transition_to_standby", "change to standby"), 1: ("rc_stick", "stick gesture"), 2: ("rc_switch", "RC switch"), 3: ("command_internal", "internal command"), 4: ("command_external", "external command"), 5: ("mission_start", "start of a mission"), 6: ("auto_disarm_land", "landing"), 7: ("auto_disarm_preflight", "no takeoff after arming"), 8: ("kill_switch", "kill switch"), 9: ("lockdown", "lockdown"), 10: ("failure_detector", "failure detector"), 11: ("shutdown", "shutdown"), 12: ("unit_test", "unit test"), 13: ("rc_button", "RC button"), 14: ("failsafe", "failsafe")}),
+        ("px4_events/px4::battery_fault_reason_t", 0, "", {0: ("deep_discharge", "deep discharge"), 1: ("voltage_spikes", "voltage spikes"), 2: ("cell_fail", "cell failure"), 3: ("over_current", "over-current"), 4: ("fault_temperature", "overtemperature"), 5: ("under_temperature", "undertemperature"), 6: ("incompatible_voltage", "incompatible voltage"), 7: ("incompatible_firmware", "incompatible firmware"), 8: ("incompatible_model", "unsupported model"), 9: ("hardware_fault", "hardware fault"), 10: ("over_temperature", "overtemperature warning")}),
+        ("px4_events/px4::battery_mode_t", 0, "", {0: ("unknown", "normal or unknown"), 1: ("autodischarging", "automatic discharge to storage level"), 2: ("hotswap", "hot swap")}),
         ("px4_events/px4::esc_fault_reason_t", 0, "", {0: ("over_current", "over-current"), 1: ("over_voltage", "over-voltage"), 2: ("motor_over_temp", "the motor is too hot"), 3: ("over_rpm", "too many revolutions"), 4: ("inconsistent_cmd", "inconsistent command"), 5: ("motor_stuck", "the motor is stuck"), 6: ("failure_generic", "failure"), 7: ("motor_warn_temp", "the motor gets hot"), 8: ("esc_warn_temp", "the ESC gets hot"), 9: ("esc_over_temp", "the ESC is too hot")}),
         ("px4_events/px4::failsafe_action_t", 0, "", {0: ("none", "no action"), 1: ("warn", "warning"), 2: ("fallback_posctrl", "Position mode"), 3: ("fallback_altctrl", "Altitude mode"), 4: ("fallback_stabilized", "Stabilized mode"), 5: ("hold", "hold"), 6: ("rtl", "return"), 7: ("land", "land"), 8: ("descend", "descend"), 9: ("disarm", "disarm"), 10: ("terminate", "terminate the flight")}),
-        ("px4_events/px4::failsafe_cause_t", 0, "", {0: ("generic", "unspecified"), 1: ("manual_control_loss", "the sticks are lost"), 2: ("gcs_connection_loss", "the ground station is lost"), 3: ("low_battery_level", "low battery"), 4: ("critical_battery_level", "critical battery"), 5: ("emergency_battery_level", "empty battery")}),
+        ("px4_events/px4::failsafe_cause_t", 0, "", {0: ("generic", "unspecified"), 1: ("manual_control_loss", "manual control input lost"), 2: ("gcs_connection_loss", "ground station link lost"), 3: ("low_battery_level", "low battery"), 4: ("critical_battery_level", "critical battery level"), 5: ("emergency_battery_level", "emergency battery level")}),
         ("px4_events/px4::health_component_t", 32, ", ", {1: ("none", "none"), 2: ("absolute_pressure", "barometer"), 4: ("differential_pressure", "airspeed sensor"), 8: ("gps", "GPS"), 16: ("optical_flow", "optical flow"), 32: ("vision_position", "visual position"), 64: ("distance_sensor", "distance sensor"), 128: ("remote_control", "remote control"), 256: ("motors_escs", "motors and ESCs"), 512: ("utm", "traffic management"), 1024: ("logging", "logging"), 2048: ("battery", "battery"), 4096: ("communication_links", "communication"), 8192: ("rate_controller", "rate controller"), 16384: ("attitude_controller", "attitude controller"), 32768: ("position_controller", "position controller"), 65536: ("attitude_estimate", "attitude estimate"), 131072: ("local_position_estimate", "local position estimate"), 262144: ("mission", "mission"), 524288: ("avoidance", "obstacle avoidance"), 1048576: ("system", "system"), 2097152: ("camera", "camera"), 4194304: ("gimbal", "gimbal"), 8388608: ("payload", "payload"), 16777216: ("global_position_estimate", "global position estimate"), 33554432: ("storage", "storage"), 67108864: ("parachute", "parachute"), 134217728: ("magnetometer", "compass"), 268435456: ("accel", "accelerometer"), 536870912: ("gyro", "gyroscope"), 1073741824: ("open_drone_id", "Open Drone ID")}),
         ("px4_events/px4::navigation_mode_group_t", 32, ", ", {1: ("manual", "Manual"), 2: ("altctl", "Altitude"), 4: ("posctl", "Position"), 8: ("mission", "Mission"), 16: ("loiter", "Hold"), 32: ("rtl", "Return"), 1024: ("acro", "Acro"), 16384: ("offboard", "Offboard"), 32768: ("stab", "Stabilized"), 131072: ("takeoff", "Takeoff"), 262144: ("land", "Land"), 524288: ("follow_target", "Follow Me"), 1048576: ("precland", "Precision Land"), 2097152: ("orbit", "Orbit"), 4194304: ("vtol_takeoff", "VTOL Takeoff"), 8388608: ("external1", "External 1"), 16777216: ("external2", "External 2"), 33554432: ("external3", "External 3"), 67108864: ("external4", "External 4"), 134217728: ("external5", "External 5"), 268435456: ("external6", "External 6"), 536870912: ("external7", "External 7"), 1073741824: ("external8", "External 8")}),
         ("px4_events/px4::navigation_mode_t", 0, "", {0: ("manual", "Manual"), 1: ("altctl", "Altitude"), 2: ("posctl", "Position"), 3: ("auto_mission", "Mission"), 4: ("auto_loiter", "Hold"), 5: ("auto_rtl", "Return"), 6: ("acro", "Acro"), 7: ("offboard", "Offboard"), 8: ("stab", "Stabilized"), 9: ("position_slow", "Position Slow"), 10: ("auto_takeoff", "Takeoff"), 11: ("auto_land", "Land"), 12: ("auto_follow_target", "Follow Me"), 13: ("auto_precland", "Precision Land"), 14: ("orbit", "Orbit"), 15: ("auto_vtol_takeoff", "VTOL Takeoff"), 16: ("external1", "External 1"), 17: ("external2", "External 2"), 18: ("external3", "External 3"), 19: ("external4", "External 4"), 20: ("external5", "External 5"), 21: ("external6", "External 6"), 22: ("external7", "External 7"), 23: ("external8", "External 8"), 255: ("unknown", "unknown")}),
         ("px4_events/px4::suggested_action_t", 0, "", {0: ("none", "No action"), 1: ("land", "Land now"), 2: ("reduce_throttle", "Reduce the throttle")}),
     ),
     {
-        16828543: ("px4_events/px4::commander_failsafe_enter_crit_low_bat_warn", "px4::commander_failsafe_enter_crit_low_bat_warn", "default", "The battery is empty: land at once", "", ()),
-        16856624: ("px4_events/px4::check_modes_home_position", "px4::check_modes_home_position", "arming_check", "The home position is unknown", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
-        16901501: ("px4_events/px4::check_gf_no_home", "px4::check_gf_no_home", "arming_check", "The geofence returns to home, but home is unknown", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
-        16920235: ("px4_events/px4::check_gf_violation_custom_gf", "px4::check_gf_violation_custom_gf", "arming_check", "The vehicle is at or beyond a geofence", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
+        16828543: ("px4_events/px4::commander_failsafe_enter_crit_low_bat_warn", "px4::commander_failsafe_enter_crit_low_bat_warn", "default", "Emergency battery level: land immediately", "", ()),
+        16856624: ("px4_events/px4::check_modes_home_position", "px4::check_modes_home_position", "arming_check", "Home position not set", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
+        16901501: ("px4_events/px4::check_gf_no_home", "px4::check_gf_no_home", "arming_check", "The geofence action is Return, but the home position is not set", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
+        16920235: ("px4_events/px4::check_gf_violation_custom_gf", "px4::check_gf_violation_custom_gf", "arming_check", "The vehicle is near or outside a geofence", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         17054001: ("px4_events/px4::check_system_safety_button", "px4::check_system_safety_button", "arming_check", "The safety button has not been pressed", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         17154777: ("px4_events/px4::check_modes_mission", "px4::check_modes_mission", "arming_check", "There is no valid mission", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
-        17231145: ("px4_events/px4::check_modes_manual_control", "px4::check_modes_manual_control", "arming_check", "No sticks are connected", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
+        17231145: ("px4_events/px4::check_modes_manual_control", "px4::check_modes_manual_control", "arming_check", "No manual control input", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         17293278: ("px4_events/px4::check_estimator_gps_vert_pos_err_too_high", "px4::check_estimator_gps_vert_pos_err_too_high", "arming_check", "The vertical GPS position is too inaccurate", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         17443695: ("px4_events/px4::check_failure_detector_motor", "px4::check_failure_detector_motor", "health", "A motor has failed", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
-        17490621: ("px4_events/px4::commander_rc_regained", "px4::commander_rc_regained", "default", "The sticks are back after {1:.1} s", "", (("arg0", "float", None),)),
+        17490621: ("px4_events/px4::commander_rc_regained", "px4::commander_rc_regained", "default", "Manual control input regained after {1:.1} s", "", (("arg0", "float", None),)),
         17706741: ("px4_events/px4::check_estimator_position_failure_imminent", "px4::check_estimator_position_failure_imminent", "default", "The position error is close to the failsafe limit", "", ()),
         17738815: ("px4_events/px4::failsafe_rc_override", "px4::failsafe_rc_override", "default", "The pilot took over with the sticks", "", ()),
         17826492: ("px4_events/px4::check_estimator_gps_hor_pos_err_too_high", "px4::check_estimator_gps_hor_pos_err_too_high", "arming_check", "The horizontal GPS position is too inaccurate", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
@@ -2407,18 +2407,18 @@ _EVENTS: EventData = (
         18523838: ("px4_events/px4::commander_rc_override", "px4::commander_rc_override", "default", "The pilot took over with the sticks", "", ()),
         18526277: ("px4_events/px4::commander_arm_denied_throttle_center", "px4::commander_arm_denied_throttle_center", "default", "Can't arm: the throttle is above its centre", "", ()),
         18580211: ("px4_events/px4::check_airspeed_too_high", "px4::check_airspeed_too_high", "arming_check", "The airspeed sensor reads too much on the ground", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None), ("arg0", "float", None), ("arg1", "float", None),)),
-        18648929: ("px4_events/px4::check_modes_cannot_takeoff", "px4::check_modes_cannot_takeoff", "arming_check", "The vehicle can't take off in this mode", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
+        18648929: ("px4_events/px4::check_modes_cannot_takeoff", "px4::check_modes_cannot_takeoff", "arming_check", "The vehicle can't arm in this mode", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         18691879: ("px4_events/px4::commander_health_summary", "px4::commander_health_summary", "health", "Summary of the vehicle's health", "", (("chunk_idx", "uint8_t", None), ("is_present", "uint32_t", 6), ("error", "uint32_t", 6), ("warning", "uint32_t", 6),)),
         18694246: ("px4_events/px4::check_rc_trim_too_high", "px4::check_rc_trim_too_high", "arming_check", "RC channel {3}: the trim {4} is above the maximum {5}", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None), ("arg0", "uint8_t", None), ("arg1", "int16_t", None), ("arg2", "int16_t", None),)),
         18843603: ("px4_events/px4::commander_arm_denied_calibrating", "px4::commander_arm_denied_calibrating", "default", "Can't arm during a calibration", "", ()),
         18848492: ("px4_events/px4::check_battery_preflight_low", "px4::check_battery_preflight_low", "arming_check", "Battery charge is too low for a takeoff", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         18865335: ("px4_events/px4::check_estimator_gps_generic", "px4::check_estimator_gps_generic", "arming_check", "GPS quality is insufficient", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
-        19005802: ("px4_events/px4::check_battery_rem_flight_time_low", "px4::check_battery_rem_flight_time_low", "arming_check", "Little flight time is left", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
+        19005802: ("px4_events/px4::check_battery_rem_flight_time_low", "px4::check_battery_rem_flight_time_low", "arming_check", "Remaining battery flight time too low", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         19007080: ("px4_events/px4::check_avionics_power_redundancy", "px4::check_avionics_power_redundancy", "arming_check", "{3} of {4} required power modules work", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None), ("arg0", "uint8_t", None), ("arg1", "uint8_t", None),)),
-        19252160: ("px4_events/px4::commander_failsafe_enter_crit_bat_warn", "px4::commander_failsafe_enter_crit_bat_warn", "default", "The battery is almost empty: land now", "", ()),
+        19252160: ("px4_events/px4::commander_failsafe_enter_crit_bat_warn", "px4::commander_failsafe_enter_crit_bat_warn", "default", "Critical battery level: land now", "", ()),
         19259057: ("px4_events/px4::check_imu_gyro_inconsistent", "px4::check_imu_gyro_inconsistent", "arming_check", "Gyroscope {3} disagrees with the others ({4:.2}, limit {5:.2})", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None), ("arg0", "uint8_t", None), ("arg1", "float", None), ("arg2", "float", None),)),
         19838260: ("px4_events/px4::check_imu_accel_inconsistent", "px4::check_imu_accel_inconsistent", "arming_check", "Accelerometer {3} disagrees with the others ({4:.2}, limit {5:.2})", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None), ("arg0", "uint8_t", None), ("arg1", "float", None), ("arg2", "float", None),)),
-        19865031: ("px4_events/px4::check_modes_offboard_signal", "px4::check_modes_offboard_signal", "arming_check", "The offboard computer sends no setpoints", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
+        19865031: ("px4_events/px4::check_modes_offboard_signal", "px4::check_modes_offboard_signal", "arming_check", "No offboard signal: setpoints or a required estimate are missing", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         19966445: ("px4_events/px4::check_baro_no_data", "px4::check_baro_no_data", "health", "Barometer {3} sends no valid data", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None), ("arg0", "uint8_t", None),)),
         20106437: ("px4_events/px4::commander_open_drone_id_regained", "px4::commander_open_drone_id_regained", "default", "The Open Drone ID device is connected again", "", ()),
         20262116: ("px4_events/px4::commander_rtl", "px4::commander_rtl", "default", "The vehicle returns", "", ()),
@@ -2431,38 +2431,38 @@ _EVENTS: EventData = (
         21054825: ("px4_events/px4::commander_takeoff_detected", "px4::commander_takeoff_detected", "default", "Took off", "", ()),
         21225307: ("px4_events/px4::check_hardfault_present", "px4::check_hardfault_present", "health", "The SD card holds a crash dump of the firmware", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         21279712: ("px4_events/px4::commander_failsafe_enter_generic_hold", "px4::commander_failsafe_enter_generic_hold", "default", "Failsafe: {2} in {3} s", "", (("arg0", "uint32_t", None), ("arg1", "uint8_t", 4), ("arg2", "uint16_t", None),)),
-        21326245: ("px4_events/px4::check_failure_detector_alt", "px4::check_failure_detector_alt", "arming_check", "The failure detector noticed a loss of altitude", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
+        21326245: ("px4_events/px4::check_failure_detector_alt", "px4::check_failure_detector_alt", "arming_check", "The failure detector found an altitude failure", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         21420339: ("px4_events/px4::check_airspeed_invalid", "px4::check_airspeed_invalid", "health", "The airspeed is unusable", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         21654568: ("px4_events/px4::check_failure_detector_imbalanced_prop", "px4::check_failure_detector_imbalanced_prop", "health", "A propeller is out of balance", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
-        21752443: ("px4_events/px4::check_estimator_gps_hor_speed_drift_too_high", "px4::check_estimator_gps_hor_speed_drift_too_high", "arming_check", "The horizontal GPS speed drifts too much", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
+        21752443: ("px4_events/px4::check_estimator_gps_hor_speed_drift_too_high", "px4::check_estimator_gps_hor_speed_drift_too_high", "arming_check", "The horizontal GPS speed at rest is too high", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         21826980: ("px4_events/px4::check_battery_low", "px4::check_battery_low", "arming_check", "Battery charge is low", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         21872809: ("px4_events/px4::check_baro_missing", "px4::check_baro_missing", "health", "Barometer {3} was not found", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None), ("arg0", "uint8_t", None),)),
         22050956: ("px4_events/px4::check_mag_consistency", "px4::check_mag_consistency", "arming_check", "The compasses disagree by {3} degrees", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None), ("arg0", "int16_t", None),)),
         22222072: ("px4_events/px4::check_accel_not_calibrated", "px4::check_accel_not_calibrated", "arming_check", "Accelerometer {3} has no calibration", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None), ("arg0", "uint8_t", None),)),
-        22400324: ("px4_events/px4::commander_rc_lost", "px4::commander_rc_lost", "default", "The sticks are lost", "", ()),
+        22400324: ("px4_events/px4::commander_rc_lost", "px4::commander_rc_lost", "default", "Manual control input lost", "", ()),
         22400325: ("px4_events/px4::check_battery_mode", "px4::check_battery_mode", "health", "Battery {3} is in the mode: {4}", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None), ("arg0", "uint8_t", None), ("arg1", "uint8_t", 2),)),
         22481569: ("px4_events/px4::check_system_arm_auth_failed", "px4::check_system_arm_auth_failed", "arming_check", "The permission to arm was denied", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         22494412: ("px4_events/px4::check_estimator_gps_hor_pos_drift_too_high", "px4::check_estimator_gps_hor_pos_drift_too_high", "arming_check", "The horizontal GPS position drifts too fast", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         22503920: ("px4_events/px4::check_high_wind_warning", "px4::check_high_wind_warning", "default", "The wind is strong: {1:.1m/s}", "", (("arg0", "float", None),)),
-        22624381: ("px4_events/px4::commander_low_bat_shutdown_failed", "px4::commander_low_bat_shutdown_failed", "default", "The battery is empty, but the system can't shut down", "", ()),
-        22651936: ("px4_events/px4::commander_arm_denied_throttle_high", "px4::commander_arm_denied_throttle_high", "default", "Can't arm: the throttle isn't at zero", "", ()),
+        22624381: ("px4_events/px4::commander_low_bat_shutdown_failed", "px4::commander_low_bat_shutdown_failed", "default", "Dangerously low battery, but the system can't shut down", "", ()),
+        22651936: ("px4_events/px4::commander_arm_denied_throttle_high", "px4::commander_arm_denied_throttle_high", "default", "Can't arm: the throttle is too high", "", ()),
         22720449: ("px4_events/px4::check_mag_sys_has_mag_missing", "px4::check_mag_sys_has_mag_missing", "arming_check", "{3} of {4} required compasses were found", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None), ("arg0", "uint8_t", None), ("arg1", "uint8_t", None),)),
         22831554: ("px4_events/px4::check_estimator_missing_data", "px4::check_estimator_missing_data", "arming_check", "The estimator has not started yet", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         23035260: ("px4_events/px4::check_mag_fault", "px4::check_mag_fault", "arming_check", "Compass {3} makes the estimator fail", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None), ("arg0", "uint8_t", None),)),
         23187824: ("px4_events/px4::check_mag_no_data", "px4::check_mag_no_data", "health", "Compass {3} sends no valid data", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None), ("arg0", "uint8_t", None),)),
         23268580: ("px4_events/px4::check_system_no_home_pos", "px4::check_system_no_home_pos", "arming_check", "A home position is required", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
-        23335473: ("px4_events/px4::check_estimator_gps_vert_speed_drift_too_high", "px4::check_estimator_gps_vert_speed_drift_too_high", "arming_check", "The vertical GPS speed drifts too much", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
+        23335473: ("px4_events/px4::check_estimator_gps_vert_speed_drift_too_high", "px4::check_estimator_gps_vert_speed_drift_too_high", "arming_check", "The vertical GPS speed differs too much from the estimate", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         23436396: ("px4_events/px4::check_rc_dz_too_high", "px4::check_rc_dz_too_high", "arming_check", "RC channel {3}: the dead zone is wider than {4}", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None), ("arg0", "uint8_t", None), ("arg1", "uint16_t", None),)),
-        23579003: ("px4_events/px4::check_rc_dl_no_dllink", "px4::check_rc_dl_no_dllink", "arming_check", "No ground station is connected", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
+        23579003: ("px4_events/px4::check_rc_dl_no_dllink", "px4::check_rc_dl_no_dllink", "arming_check", "No ground station link", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         23620517: ("px4_events/px4::commander_parachute_regained", "px4::commander_parachute_regained", "default", "The parachute is connected again", "", ()),
-        23657844: ("px4_events/px4::commander_max_flight_time_warning_minutes", "px4::commander_max_flight_time_warning_minutes", "default", "The vehicle returns in {1} min: the flight time ends", "", (("arg0", "int16_t", None),)),
+        23657844: ("px4_events/px4::commander_max_flight_time_warning_minutes", "px4::commander_max_flight_time_warning_minutes", "default", "Near the flight time limit: the vehicle returns in {1} min", "", (("arg0", "int16_t", None),)),
         23725705: ("px4_events/px4::check_escs_fault", "px4::check_escs_fault", "health", "ESC {3} reports a fault: {4}. {5}", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None), ("arg0", "uint8_t", None), ("arg1", "uint8_t", 3), ("arg2", "uint8_t", 9),)),
         23730088: ("px4_events/px4::check_estimator_pos_est_err", "px4::check_estimator_pos_est_err", "arming_check", "The position estimate disagrees with its sensors", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None), ("arg0", "float", None), ("arg1", "float", None),)),
         23756917: ("px4_events/px4::check_rc_min_too_small", "px4::check_rc_min_too_small", "arming_check", "RC channel {3}: the minimum is below {4}", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None), ("arg0", "uint8_t", None), ("arg1", "uint16_t", None),)),
         23844490: ("px4_events/px4::commander_mission_start_denied_no_mission", "px4::commander_mission_start_denied_no_mission", "default", "Can't start: there is no valid mission", "", ()),
         23991930: ("px4_events/px4::check_missing_system_power", "px4::check_missing_system_power", "health", "The supply voltage is unknown", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         24439368: ("px4_events/px4::check_system_usb_connected", "px4::check_system_usb_connected", "arming_check", "A USB cable is connected", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
-        24491452: ("px4_events/px4::commander_max_flight_time_warning_seconds", "px4::commander_max_flight_time_warning_seconds", "default", "The vehicle returns in {1} s: the flight time ends", "", (("arg0", "int16_t", None),)),
+        24491452: ("px4_events/px4::commander_max_flight_time_warning_seconds", "px4::commander_max_flight_time_warning_seconds", "default", "Near the flight time limit: the vehicle returns in {1} s", "", (("arg0", "int16_t", None),)),
         24624528: ("px4_events/px4::check_rc_max_too_high", "px4::check_rc_max_too_high", "arming_check", "RC channel {3}: the maximum is above {4}", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None), ("arg0", "uint8_t", None), ("arg1", "uint16_t", None),)),
         24661593: ("px4_events/px4::check_man_control_rtl_engaged", "px4::check_man_control_rtl_engaged", "arming_check", "The return switch is on", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         24685549: ("px4_events/px4::check_avionics_power_missing", "px4::check_avionics_power_missing", "health", "No power module supplies the avionics", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
@@ -2489,61 +2489,61 @@ _EVENTS: EventData = (
         26358249: ("px4_events/px4::check_estimator_yaw_est_err", "px4::check_estimator_yaw_est_err", "arming_check", "The yaw estimate disagrees with its sensors", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None), ("arg0", "float", None), ("arg1", "float", None),)),
         26385442: ("px4_events/px4::check_estimator_gps_not_fusing", "px4::check_estimator_gps_not_fusing", "arming_check", "The estimator doesn't use GPS", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         26412014: ("px4_events/px4::check_estimator_hgt_not_stable", "px4::check_estimator_hgt_not_stable", "arming_check", "The height estimate hasn't settled", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
-        26420585: ("px4_events/px4::check_modes_angular_velocity", "px4::check_modes_angular_velocity", "arming_check", "The angular velocity is unknown", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
-        26528394: ("px4_events/px4::commander_failsafe_enter", "px4::commander_failsafe_enter", "default", "Failsafe: {3}, so {2}", "", (("arg0", "uint32_t", None), ("arg1", "uint8_t", 4), ("arg2", "uint8_t", 5),)),
+        26420585: ("px4_events/px4::check_modes_angular_velocity", "px4::check_modes_angular_velocity", "arming_check", "No valid angular velocity", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
+        26528394: ("px4_events/px4::commander_failsafe_enter", "px4::commander_failsafe_enter", "default", "Failsafe: {3}. Action: {2}", "", (("arg0", "uint32_t", None), ("arg1", "uint8_t", 4), ("arg2", "uint8_t", 5),)),
         26592384: ("px4_events/px4::check_external_modes_unresponsive", "px4::check_external_modes_unresponsive", "arming_check", "The program that provides the mode doesn't answer", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         26622124: ("px4_events/px4::commander_landing_detected", "px4::commander_landing_detected", "default", "Landed", "", ()),
-        26743035: ("px4_events/px4::check_estimator_gnss_fault", "px4::check_estimator_gnss_fault", "arming_check", "The heading from GNSS is unreliable", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
-        26788467: ("px4_events/px4::check_modes_global_pos", "px4::check_modes_global_pos", "arming_check", "The global position is unknown", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
+        26743035: ("px4_events/px4::check_estimator_gnss_fault", "px4::check_estimator_gnss_fault", "arming_check", "The GPS heading is unreliable", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
+        26788467: ("px4_events/px4::check_modes_global_pos", "px4::check_modes_global_pos", "arming_check", "No valid global position", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         26938432: ("px4_events/px4::check_open_drone_id_missing", "px4::check_open_drone_id_missing", "arming_check", "No Open Drone ID device was found", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
-        26976193: ("px4_events/px4::check_estimator_gps_pdop_too_high", "px4::check_estimator_gps_pdop_too_high", "arming_check", "The GPS satellites stand unfavourably (PDOP)", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
-        27227279: ("px4_events/px4::check_modes_attitude", "px4::check_modes_attitude", "arming_check", "The attitude is unknown", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
+        26976193: ("px4_events/px4::check_estimator_gps_pdop_too_high", "px4::check_estimator_gps_pdop_too_high", "arming_check", "The geometry of the GPS satellites is poor (PDOP too high)", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
+        27227279: ("px4_events/px4::check_modes_attitude", "px4::check_modes_attitude", "arming_check", "No valid attitude", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         27280279: ("px4_events/px4::commander_modeswitch_not_avail", "px4::commander_modeswitch_not_avail", "default", "Can't switch to {2} now", "", (("arg0", "uint32_t", None), ("arg1", "uint8_t", 8),)),
         27455887: ("px4_events/px4::check_estimator_gps_speed_acc_too_low", "px4::check_estimator_gps_speed_acc_too_low", "arming_check", "The GPS speed is too inaccurate", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
-        27494155: ("px4_events/px4::commander_onboard_ctrl_regained", "px4::commander_onboard_ctrl_regained", "default", "The onboard controller is connected again", "", ()),
-        27571288: ("px4_events/px4::commander_gcs_lost", "px4::commander_gcs_lost", "default", "The ground station is lost", "", ()),
+        27494155: ("px4_events/px4::commander_onboard_ctrl_regained", "px4::commander_onboard_ctrl_regained", "default", "Connection to the onboard computer regained", "", ()),
+        27571288: ("px4_events/px4::commander_gcs_lost", "px4::commander_gcs_lost", "default", "Ground station link lost", "", ()),
         27737349: ("px4_events/px4::check_estimator_low_position_accuracy", "px4::check_estimator_low_position_accuracy", "default", "The local position is inaccurate", "", ()),
         27773549: ("px4_events/px4::check_missing_fmu_sdcard", "px4::check_missing_fmu_sdcard", "arming_check", "The autopilot has no SD card", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         27825120: ("px4_events/px4::commander_arming_check_summary", "px4::commander_arming_check_summary", "arming_check", "Summary of the arming checks", "", (("chunk_idx", "uint8_t", None), ("error", "uint32_t", 6), ("warning", "uint32_t", 6), ("can_arm", "uint32_t", 7), ("can_run", "uint32_t", 7),)),
-        27900317: ("px4_events/px4::commander_mission_comp_lost", "px4::commander_mission_comp_lost", "default", "The mission computer is lost", "", ()),
+        27900317: ("px4_events/px4::commander_mission_comp_lost", "px4::commander_mission_comp_lost", "default", "Connection to the onboard computer lost", "", ()),
         28067779: ("px4_events/px4::commander_kill_sw_engaged", "px4::commander_kill_sw_engaged", "default", "The kill switch stops the motors", "", ()),
         28190816: ("px4_events/px4::check_wind_too_high", "px4::check_wind_too_high", "arming_check", "The wind is above the limit: {3:.1m/s}", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None), ("arg0", "float", None),)),
         28255544: ("px4_events/px4::check_gyro_no_data", "px4::check_gyro_no_data", "health", "Gyroscope {3} sends no valid data", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None), ("arg0", "uint8_t", None),)),
         28274646: ("px4_events/px4::check_estimator_gps_vert_pos_drift_too_high", "px4::check_estimator_gps_vert_pos_drift_too_high", "arming_check", "The vertical GPS position drifts too fast", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         28751105: ("px4_events/px4::check_estimator_vel_est_err", "px4::check_estimator_vel_est_err", "arming_check", "The velocity estimate disagrees with its sensors", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None), ("arg0", "float", None), ("arg1", "float", None),)),
-        28993875: ("px4_events/px4::commander_failsafe_enter_low_bat", "px4::commander_failsafe_enter_low_bat", "default", "Battery charge is low: return", "", ()),
+        28993875: ("px4_events/px4::commander_failsafe_enter_low_bat", "px4::commander_failsafe_enter_low_bat", "default", "Battery charge is low: return advised", "", ()),
         29053220: ("px4_events/px4::check_system_no_global_pos", "px4::check_system_no_global_pos", "arming_check", "A global position is required", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
-        29146769: ("px4_events/px4::check_estimator_gps_fix_too_low", "px4::check_estimator_gps_fix_too_low", "arming_check", "GPS has no sufficient fix", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
-        29197567: ("px4_events/px4::commander_arm_denied_not_manual", "px4::commander_arm_denied_not_manual", "default", "Can't arm outside of manual modes", "", ()),
-        29467116: ("px4_events/px4::check_modes_local_alt", "px4::check_modes_local_alt", "arming_check", "The altitude is unknown", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
+        29146769: ("px4_events/px4::check_estimator_gps_fix_too_low", "px4::check_estimator_gps_fix_too_low", "arming_check", "GPS has no 3D fix", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
+        29197567: ("px4_events/px4::commander_arm_denied_not_manual", "px4::commander_arm_denied_not_manual", "default", "Can't arm by remote control: select a manual mode first", "", ()),
+        29467116: ("px4_events/px4::check_modes_local_alt", "px4::check_modes_local_alt", "arming_check", "No valid local altitude", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         29532170: ("px4_events/px4::check_system_flight_term_active", "px4::check_system_flight_term_active", "arming_check", "The flight is terminated", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         29557505: ("px4_events/px4::check_estimator_gps_jamming_critical", "px4::check_estimator_gps_jamming_critical", "arming_check", "The GPS receiver reports jamming", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
-        29582859: ("px4_events/px4::check_mission_failure", "px4::check_mission_failure", "arming_check", "The mission can't be completed", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
+        29582859: ("px4_events/px4::check_mission_failure", "px4::check_mission_failure", "arming_check", "Mission cannot continue", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         29794338: ("px4_events/px4::check_system_avoidance_not_ready", "px4::check_system_avoidance_not_ready", "arming_check", "Obstacle avoidance isn't ready", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         29871674: ("px4_events/px4::check_estimator_gps_num_sats_too_low", "px4::check_estimator_gps_num_sats_too_low", "arming_check", "GPS receives too few satellites", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         30054617: ("px4_events/px4::commander_failsafe_enter_generic_warn", "px4::commander_failsafe_enter_generic_warn", "default", "Failsafe: warning only", "", (("arg0", "uint32_t", None),)),
-        30121562: ("px4_events/px4::check_battery_unhealthy", "px4::check_battery_unhealthy", "health", "A battery is missing or defective", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
+        30121562: ("px4_events/px4::check_battery_unhealthy", "px4::check_battery_unhealthy", "health", "Battery missing, unresponsive or faulty", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         30149368: ("px4_events/px4::check_parachute_unhealthy", "px4::check_parachute_unhealthy", "health", "The parachute isn't ready", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         30305359: ("px4_events/px4::check_system_vtol_in_transition", "px4::check_system_vtol_in_transition", "arming_check", "The VTOL is in transition", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
-        30481910: ("px4_events/px4::commander_failsafe_enter_hold", "px4::commander_failsafe_enter_hold", "default", "Failsafe: {4}, so {2} in {3} s", "", (("arg0", "uint32_t", None), ("arg1", "uint8_t", 4), ("arg2", "uint16_t", None), ("arg3", "uint8_t", 5),)),
-        30612409: ("px4_events/px4::check_modes_local_pos", "px4::check_modes_local_pos", "arming_check", "The local position is unknown", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
+        30481910: ("px4_events/px4::commander_failsafe_enter_hold", "px4::commander_failsafe_enter_hold", "default", "Failsafe: {4}. Action in {3} s: {2}", "", (("arg0", "uint32_t", None), ("arg1", "uint8_t", 4), ("arg2", "uint16_t", None), ("arg3", "uint8_t", 5),)),
+        30612409: ("px4_events/px4::check_modes_local_pos", "px4::check_modes_local_pos", "arming_check", "No valid local position", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         30700832: ("px4_events/px4::check_gf_violation_max_alt", "px4::check_gf_violation_max_alt", "arming_check", "The vehicle is higher above home than the geofence allows", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         30977863: ("px4_events/px4::check_system_vtol_in_fw_mode", "px4::check_system_vtol_in_fw_mode", "arming_check", "The VTOL isn't in multicopter mode", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         30998685: ("px4_events/px4::check_distance_sensor_missing", "px4::check_distance_sensor_missing", "health", "Distance sensor {3} was not found", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None), ("arg0", "uint8_t", None),)),
-        31011876: ("px4_events/px4::commander_dl_regained", "px4::commander_dl_regained", "default", "The ground station is connected again", "", ()),
+        31011876: ("px4_events/px4::commander_dl_regained", "px4::commander_dl_regained", "default", "Ground station link regained", "", ()),
         31343262: ("px4_events/px4::check_escs_offline", "px4::check_escs_offline", "health", "ESC {3} doesn't answer", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None), ("arg0", "uint8_t", None),)),
         31382480: ("px4_events/px4::commander_failsafe_enter_generic", "px4::commander_failsafe_enter_generic", "default", "Failsafe: {2}", "", (("arg0", "uint32_t", None), ("arg1", "uint8_t", 4),)),
-        31421834: ("px4_events/px4::check_flight_time_limit", "px4::check_flight_time_limit", "arming_check", "The flight time has reached its limit", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
-        31476391: ("px4_events/px4::check_estimator_gnss_fusion_stopped", "px4::check_estimator_gnss_fusion_stopped", "default", "The estimator no longer uses GNSS", "", ()),
+        31421834: ("px4_events/px4::check_flight_time_limit", "px4::check_flight_time_limit", "arming_check", "Flight time limit exceeded", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
+        31476391: ("px4_events/px4::check_estimator_gnss_fusion_stopped", "px4::check_estimator_gnss_fusion_stopped", "default", "The estimator stopped using GPS", "", ()),
         31525953: ("px4_events/px4::check_external_modes_unavailable", "px4::check_external_modes_unavailable", "arming_check", "The program that provides the mode isn't running", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
-        31958015: ("px4_events/px4::check_vtol_fixed_wing_system_failure", "px4::check_vtol_fixed_wing_system_failure", "arming_check", "The VTOL's fixed-wing flight has failed", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
+        31958015: ("px4_events/px4::check_vtol_fixed_wing_system_failure", "px4::check_vtol_fixed_wing_system_failure", "arming_check", "Fixed-wing system of the VTOL failed", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         32067059: ("px4_events/px4::check_avionics_power_high", "px4::check_avionics_power_high", "health", "The avionics voltage is too high: {3:.2} V, at most {4:.2} V", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None), ("arg0", "float", None), ("arg1", "float", None),)),
-        32069699: ("px4_events/px4::check_estimator_gnss_fusion_started", "px4::check_estimator_gnss_fusion_started", "default", "The estimator uses GNSS from now on", "", ()),
+        32069699: ("px4_events/px4::check_estimator_gnss_fusion_started", "px4::check_estimator_gnss_fusion_started", "default", "The estimator started to use GPS", "", ()),
         32165976: ("px4_events/px4::check_mag_missing", "px4::check_mag_missing", "health", "Compass {3} was not found", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None), ("arg0", "uint8_t", None),)),
         32176531: ("px4_events/px4::check_estimator_gps_spoofing_indicated", "px4::check_estimator_gps_spoofing_indicated", "arming_check", "The GPS receiver reports a sign of spoofing", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),
         32313668: ("px4_events/px4::commander_mode_fallback_internal", "px4::commander_mode_fallback_internal", "default", "The external mode doesn't answer: PX4's own mode replaces it", "", ()),
-        32379714: ("px4_events/px4::check_battery_fault", "px4::check_battery_fault", "health", "Battery {3} reports a fault: {4}. {5} (code {6})", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None), ("arg0", "uint8_t", None), ("arg1", "uint8_t", 1), ("arg2", "uint8_t", 9), ("arg3", "uint32_t", None),)),
-        32380487: ("px4_events/px4::commander_low_bat_shutdown", "px4::commander_low_bat_shutdown", "default", "The battery is empty: the system shuts down", "", ()),
+        32379714: ("px4_events/px4::check_battery_fault", "px4::check_battery_fault", "health", "Battery {3} reports a fault: {4} (manufacturer code {6}). {5}", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None), ("arg0", "uint8_t", None), ("arg1", "uint8_t", 1), ("arg2", "uint8_t", 9), ("arg3", "uint32_t", None),)),
+        32380487: ("px4_events/px4::commander_low_bat_shutdown", "px4::commander_low_bat_shutdown", "default", "Dangerously low battery: the system shuts down", "", ()),
         32401730: ("px4_events/px4::check_above_wind_limits_warning", "px4::check_above_wind_limits_warning", "default", "The wind is above the limit: {1:.1m/s}", "", (("arg0", "float", None),)),
         32490591: ("px4_events/px4::check_estimator_mag_interference", "px4::check_estimator_mag_interference", "arming_check", "A strong magnetic field disturbs the compass", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None), ("arg0", "float", None), ("arg1", "float", None), ("arg2", "float", None), ("arg3", "float", None),)),
         32570390: ("px4_events/px4::check_failure_detector_arm_esc", "px4::check_failure_detector_arm_esc", "health", "An ESC could not arm", "", (("modes", "uint32_t", 7), ("health_component_index", "uint8_t", None),)),

@@ -8,7 +8,7 @@ use super::prelude::*;
 pub(super) const RULE: Rule = Rule {
     id: "event-enum-differs",
     statement: "A constant of a message that has another value than the entry with the same name in an enum of event metadata.",
-    why: "Both sources state the same fact, and the firmware uses only one of them: PX4 1.15 to 1.17 write the reasons for \
+    why: "Both sources define the same value, but the firmware uses only one of them: PX4 1.15 to 1.17 write the reasons for \
           arming with the values of the metadata, so readers of `VehicleStatus` show a wrong reason.",
     fix: "Give the constant the value that the firmware writes.",
     levels: Levels::both(Level::Warning),

@@ -383,8 +383,10 @@ problems! {
     // Event metadata
     InvalidJson { what: String } = Error "invalid-json"
         "invalid JSON: {what}", "correct the file; JSON has no comments and no commas before `}}` or `]`";
+    TooManyEventValues { max: usize } = Error "too-many-event-values"
+        "the file has more than {max} values", "split the file";
     MemberType { what: String, expected: &'static str } = Error "member-type"
-        "`{what}` is not {expected}", "write {expected}";
+        "{what} is not {expected}", "write {expected}";
     MissingMember { name: &'static str, what: &'static str } = Error "missing-member"
         "{what} without `{name}`", "add the member `{name}`";
     UnknownMember { name: String, what: &'static str, known: String } = Warning "unknown-member"
@@ -406,7 +408,7 @@ problems! {
     EventLine { what: &'static str } = Error "event-line"
         "the {what} has more than one line", "write one line";
     EventNamespace { id: u8, name: String, first: String } = Error "event-namespace"
-        "component {id} is named `{name}`, but its first part is named `{first}`", "use one name for each component";
+        "component {id} has the namespace `{name}` here, but `{first}` where it was first defined", "use one name for each component";
     DuplicateInEvents { what: &'static str, name: String } = Error "duplicate-in-events"
         "duplicate {what} `{name}`", "rename or remove one of them";
     EventId { name: String, found: u32, expected: u32 } = Warning "event-id"
@@ -417,20 +419,20 @@ problems! {
     EventTextLength { length: usize, max: usize } = Error "event-text-length"
         "the text has {length} bytes", "write at most {max} bytes";
     EventText { what: String } = Error "event-text"
-        "{what}", "correct the text; readers show the mistake as it is";
+        "{what}", "correct the text; ground stations show it wrongly";
     EventInstance { count: usize } = Error "event-instance"
         "`instance_arg_index` refers to none of the {count} arguments", "write the index of an argument, from 0";
     EventSize { name: String, size: usize, max: usize } = Error "event-size"
         "the arguments of `{name}` take {size} bytes", "use smaller types or fewer arguments; an event has room for \
             {max} bytes";
     EventType { name: String, group: String } = Error "event-type"
-        "`{name}` is not a type of an event in the group `{group}`", "the groups `arming_check` and `health` have the \
-            type `summary`, and other groups `append_health_and_arming_messages`";
+        "`{name}` is not a type of an event in the group `{group}`", "use `summary` only in the groups `arming_check` \
+            and `health`, and `append_health_and_arming_messages` only in other groups";
     UnknownEventType { name: String } = Error "unknown-event-type"
         "unknown type `{name}`", "write a type such as `uint8_t` or `float`, or the name of an enum";
     EventArguments { name: String, expected: String } = Error "event-arguments"
-        "`{name}` has other arguments than its group and type require", "start with the arguments {expected}; those \
-            about modes and components are bit fields";
+        "`{name}` has other arguments than its group and type require", "start with the arguments {expected}: \
+            `chunk_idx` and `health_component_index` have the type `uint8_t`, `mode` has `uint32_t`, and the others are bit fields";
 
     // Translation catalogues
     MalformedCatalogue { what: &'static str } = Error "malformed-catalogue"

@@ -290,7 +290,7 @@ fn a_log_with_corrupt_event_metadata_is_checked() {
         assert!(place == "the event metadata" && reason.starts_with(&expected), "{problem}");
         assert!(!problem.contains('\u{1b}'), "{problem:?}");
         assert_eq!(text, "event 50331649 (component 3, number 1), log levels 6 and 6, arguments 07");
-        assert_eq!(origin, "the events that uavspec knows of PX4 1.15");
+        assert_eq!(origin, "uavspec's built-in events (PX4 1.15)");
     }
 }
 
@@ -357,7 +357,7 @@ fn an_attachment_of_a_bag_explains_the_events_that_follow() {
         ("all_events.json", METADATA.as_bytes(), false, &built_in, Some("it follows the first message")),
         ("all_events.json", b"{}", true, &built_in, Some("`version`")),
         ("all_events.json.xz", b"\xfd7zXZ\0\0", true, &built_in, Some("")),
-        ("all_events.json", &long, true, &built_in, Some("the attachment has 1,048,9")),
+        ("all_events.json", &long, true, &built_in, Some("longer than 1,048,576 bytes: 1,048,9")),
         ("all_events.json", b"", true, &built_in, Some("")),
     ] {
         let result = check(&bag_with(name, data, is_first), &library);

@@ -76,7 +76,7 @@ impl PartialEq for Problem {
     }
 }
 
-/// The part of an event in a report.
+/// The role of an event in a report.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Step {
     /// The event isn't part of a report.
@@ -89,7 +89,7 @@ pub enum Step {
     Unexpected(&'static str),
 }
 
-/// Combines events to reports.
+/// Combines events into reports.
 #[derive(Clone, Debug, Default)]
 pub struct Reports {
     /// The chunk of the report that has begun, with its number.
@@ -116,8 +116,8 @@ impl Reports {
         self.latest().filter(|_| !self.has_unknown && self.chunks.len() == 1)
     }
 
-    /// Follows an event, which is `None` if it is unknown. Where events are missing, the report that has begun is
-    /// forgotten. An event that is recorded twice is skipped.
+    /// Follows an event, which is `None` if it is unknown. If events are missing, the report that has begun is
+    /// discarded. An event that is recorded twice is skipped.
     pub fn follow(&mut self, raw: &RawEvent, event: Option<&DecodedEvent<'_>>) -> Step {
         let before = std::mem::replace(&mut self.number, raw.sequence);
         match before.zip(raw.sequence).map(|(before, number)| number.wrapping_sub(before)) {

@@ -102,7 +102,7 @@ impl fmt::Display for EventOrigin {
         match self {
             Self::Capture => formatter.write_str("its own event metadata"),
             Self::File(path) => formatter.write_str(path),
-            Self::BuiltIn => formatter.write_str("the events that uavspec knows of PX4 1.15"),
+            Self::BuiltIn => formatter.write_str("uavspec's built-in events (PX4 1.15)"),
         }
     }
 }

@@ -13,7 +13,7 @@ pub(super) struct EventsArgs {
     /// Event metadata of the vehicle's firmware, for events in captures without it.
     ///
     /// The file `all_events.json` or `all_events.json.xz` that PX4's build writes. A log or an MCAP file that contains its
-    /// own event metadata is read with that. The metadata of another build may name wrong events and arguments.
+    /// own event metadata is read with that. Metadata of another build may show wrong texts and wrong values of arguments.
     #[arg(long, value_name = "FILE")]
     pub(super) events: Option<PathBuf>,
 }

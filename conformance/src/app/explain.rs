@@ -10,7 +10,7 @@ use clap::Args;
 use uavspec_capture::input::Input;
 use uavspec_capture::names::is_capture;
 use uavspec_check::limits::{MAX_ALL_CHANGES, MAX_CHANGES};
-use uavspec_check::timeline::{Texts, Timeline, TopicStatus};
+use uavspec_check::timeline::{Part, Texts, Timeline, TopicStatus};
 use uavspec_model::Extent;
 use uavspec_model::text::{plural, shown, terminal};
 use uavspec_report::timeline::{WhyNotArm, to_html, to_json, to_text};
@@ -71,10 +71,10 @@ pub(super) struct ExplainArgs {
     /// English. The HTML report contains all languages.
     #[arg(long, value_name = "LANGUAGE")]
     language: Option<String>,
-    /// Only tell why the vehicle couldn't arm, at a time such as 75 or 1:15 (default: at any time).
+    /// Print only why the vehicle couldn't arm, at a time such as 75 or 1:15 (default: at any time).
     ///
-    /// The answer comes from the health and arming reports in the events of PX4. It is about the modes in which the vehicle
-    /// was, unless --mode names another.
+    /// The answer comes from the health and arming reports in the events of PX4. It covers the modes that the vehicle was
+    /// in. --mode selects another mode.
     #[arg(long, value_name = "TIME", num_args = 0..=1, value_parser = time)]
     #[allow(clippy::option_option)] // the option may have no value
     why_not_arm: Option<Option<i64>>,
@@ -170,17 +170,23 @@ fn why_not_arm(args: &ExplainArgs, timeline: &Timeline, question: &WhyNotArm, la
         let help = "PX4 reports the reasons in events, which logs of PX4 1.14 and later contain";
         return Err(Status::Nothing.with_help("the capture has no health and arming report", help));
     };
-    if let Some(mode) = question.unknown_mode(overview) {
-        let known: Vec<String> = overview.modes.iter().map(|mode| shown(&mode.name)).collect();
-        let help = format!("the modes are {}", known.join(", "));
-        return Err(Status::Usage.with_help(format_args!("there is no mode `{}`", shown(mode)), &help));
-    }
+    check_mode(question.mode.as_deref(), &overview.modes)?;
     let text = match args.format {
         Format::Text => question.answer(overview, language),
         Format::Json => json_text::pretty(&question.refusals(overview)),
     };
     print(&text).map_err(|error| Status::Unreadable.because(format_args!("standard output: {error}")))?;
     Ok(Status::Conforms)
+}
+
+/// Fails if a mode is not one of those in a report.
+pub(super) fn check_mode(mode: Option<&str>, known: &[Part]) -> Result<(), Status> {
+    let Some(mode) = mode.filter(|mode| !known.iter().any(|known| known.is_named(mode))) else {
+        return Ok(());
+    };
+    let known: Vec<String> = known.iter().map(|mode| shown(&mode.name)).collect();
+    let help = format!("the modes are {}", known.join(", "));
+    Err(Status::Usage.with_help(format_args!("there is no mode `{}`", shown(mode)), &help))
 }
 
 /// The exit status of a timeline.

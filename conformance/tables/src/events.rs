@@ -46,7 +46,7 @@ pub(super) static TABLE: Table<EventRow> = Table {
         }),
         Column::text(
             "event_metadata",
-            "The event metadata: that of the capture, a file, or the events that uavspec knows.",
+            "The event metadata: that of the capture, a file, or the built-in events.",
             |row| row.event_metadata.as_deref(),
         ),
     ],

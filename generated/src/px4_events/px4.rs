@@ -20,9 +20,9 @@ impl ArmDisarmReason {
     pub const RC_STICK: Self = Self(1);
     /// RC switch
     pub const RC_SWITCH: Self = Self(2);
-    /// command from the vehicle itself
+    /// internal command
     pub const COMMAND_INTERNAL: Self = Self(3);
-    /// command from outside
+    /// external command
     pub const COMMAND_EXTERNAL: Self = Self(4);
     /// start of a mission
     pub const MISSION_START: Self = Self(5);
@@ -53,8 +53,8 @@ impl ArmDisarmReason {
                 (0, "change to standby"),
                 (1, "stick gesture"),
                 (2, "RC switch"),
-                (3, "command from the vehicle itself"),
-                (4, "command from outside"),
+                (3, "internal command"),
+                (4, "external command"),
                 (5, "start of a mission"),
                 (6, "landing"),
                 (7, "no takeoff after arming"),
@@ -74,7 +74,7 @@ impl ArmDisarmReason {
                 (0, "перехід у режим очікування"),
                 (1, "жест стіками"),
                 (2, "перемикач на пульті"),
-                (3, "команда самого апарата"),
+                (3, "внутрішня команда"),
                 (4, "зовнішня команда"),
                 (5, "початок місії"),
                 (6, "посадка"),
@@ -124,19 +124,19 @@ impl BatteryFaultReason {
     pub const CELL_FAIL: Self = Self(2);
     /// over-current
     pub const OVER_CURRENT: Self = Self(3);
-    /// temperature fault
+    /// overtemperature
     pub const FAULT_TEMPERATURE: Self = Self(4);
-    /// too cold
+    /// undertemperature
     pub const UNDER_TEMPERATURE: Self = Self(5);
-    /// unsuitable voltage
+    /// incompatible voltage
     pub const INCOMPATIBLE_VOLTAGE: Self = Self(6);
-    /// unsuitable firmware
+    /// incompatible firmware
     pub const INCOMPATIBLE_FIRMWARE: Self = Self(7);
-    /// unsuitable model
+    /// unsupported model
     pub const INCOMPATIBLE_MODEL: Self = Self(8);
     /// hardware fault
     pub const HARDWARE_FAULT: Self = Self(9);
-    /// too hot
+    /// overtemperature warning
     pub const OVER_TEMPERATURE: Self = Self(10);
     /// The labels of the values.
     pub const LABELS: &'static [EnumLabels] = &[
@@ -148,13 +148,13 @@ impl BatteryFaultReason {
                 (1, "voltage spikes"),
                 (2, "cell failure"),
                 (3, "over-current"),
-                (4, "temperature fault"),
-                (5, "too cold"),
-                (6, "unsuitable voltage"),
-                (7, "unsuitable firmware"),
-                (8, "unsuitable model"),
+                (4, "overtemperature"),
+                (5, "undertemperature"),
+                (6, "incompatible voltage"),
+                (7, "incompatible firmware"),
+                (8, "unsupported model"),
                 (9, "hardware fault"),
-                (10, "too hot"),
+                (10, "overtemperature warning"),
             ],
         },
         EnumLabels {
@@ -165,13 +165,13 @@ impl BatteryFaultReason {
                 (1, "стрибки напруги"),
                 (2, "відмова елемента"),
                 (3, "перевищення струму"),
-                (4, "неприпустима температура"),
+                (4, "перегрів"),
                 (5, "переохолодження"),
                 (6, "несумісна напруга"),
                 (7, "несумісна прошивка"),
-                (8, "несумісна модель"),
+                (8, "непідтримувана модель"),
                 (9, "апаратна несправність"),
-                (10, "перегрів"),
+                (10, "попередження про перегрів"),
             ],
         },
     ];
@@ -198,11 +198,11 @@ open! {
 pub struct BatteryMode(pub u8);
 
 impl BatteryMode {
-    /// unknown
+    /// normal or unknown
     pub const UNKNOWN: Self = Self(0);
-    /// discharging for storage
+    /// automatic discharge to storage level
     pub const AUTODISCHARGING: Self = Self(1);
-    /// exchange during operation
+    /// hot swap
     pub const HOTSWAP: Self = Self(2);
     /// The labels of the values.
     pub const LABELS: &'static [EnumLabels] = &[
@@ -210,18 +210,21 @@ impl BatteryMode {
             language: "en",
             bits: None,
             entries: &[
-                (0, "unknown"),
-                (1, "discharging for storage"),
-                (2, "exchange during operation"),
+                (0, "normal or unknown"),
+                (1, "automatic discharge to storage level"),
+                (2, "hot swap"),
             ],
         },
         EnumLabels {
             language: "uk",
             bits: None,
             entries: &[
-                (0, "невідомий"),
-                (1, "розряджання для зберігання"),
-                (2, "заміна під час роботи"),
+                (0, "звичайний або невідомий"),
+                (
+                    1,
+                    "автоматичний розряд до рівня зберігання",
+                ),
+                (2, "гаряча заміна"),
             ],
         },
     ];
@@ -401,15 +404,15 @@ pub struct FailsafeCause(pub u8);
 impl FailsafeCause {
     /// unspecified
     pub const GENERIC: Self = Self(0);
-    /// the sticks are lost
+    /// manual control input lost
     pub const MANUAL_CONTROL_LOSS: Self = Self(1);
-    /// the ground station is lost
+    /// ground station link lost
     pub const GCS_CONNECTION_LOSS: Self = Self(2);
     /// low battery
     pub const LOW_BATTERY_LEVEL: Self = Self(3);
-    /// critical battery
+    /// critical battery level
     pub const CRITICAL_BATTERY_LEVEL: Self = Self(4);
-    /// empty battery
+    /// emergency battery level
     pub const EMERGENCY_BATTERY_LEVEL: Self = Self(5);
     /// The labels of the values.
     pub const LABELS: &'static [EnumLabels] = &[
@@ -418,11 +421,11 @@ impl FailsafeCause {
             bits: None,
             entries: &[
                 (0, "unspecified"),
-                (1, "the sticks are lost"),
-                (2, "the ground station is lost"),
+                (1, "manual control input lost"),
+                (2, "ground station link lost"),
                 (3, "low battery"),
-                (4, "critical battery"),
-                (5, "empty battery"),
+                (4, "critical battery level"),
+                (5, "emergency battery level"),
             ],
         },
         EnumLabels {
@@ -437,7 +440,7 @@ impl FailsafeCause {
                 ),
                 (3, "низький заряд батареї"),
                 (4, "критичний заряд батареї"),
-                (5, "батарея розряджена"),
+                (5, "аварійний заряд батареї"),
             ],
         },
     ];
@@ -1903,7 +1906,7 @@ impl Event for CheckBatteryDisconnected {
     }
 }
 
-/// Battery {3} reports a fault: {4}. {5} (code {6})
+/// Battery {3} reports a fault: {4} (manufacturer code {6}). {5}
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CheckBatteryFault {
     /// The argument `modes`.
@@ -1961,13 +1964,15 @@ impl Event for CheckBatteryFault {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("Battery {3} reports a fault: {4}. {5} (code {6})"),
+                message: Text::new(
+                    "Battery {3} reports a fault: {4} (manufacturer code {6}). {5}",
+                ),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
                 message: Text::new(
-                    "Батарея {3} повідомляє про несправність: {4}. {5} (код {6})",
+                    "Батарея {3} повідомляє про несправність: {4} (код виробника {6}). {5}",
                 ),
                 description: Text::new(""),
             },
@@ -2173,7 +2178,7 @@ impl Event for CheckBatteryPreflightLow {
     }
 }
 
-/// Little flight time is left
+/// Remaining battery flight time too low
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CheckBatteryRemFlightTimeLow {
     /// The argument `modes`.
@@ -2203,13 +2208,13 @@ impl Event for CheckBatteryRemFlightTimeLow {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("Little flight time is left"),
+                message: Text::new("Remaining battery flight time too low"),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
                 message: Text::new(
-                    "Залишилося мало часу польоту",
+                    "Залишок часу польоту на батареї замалий",
                 ),
                 description: Text::new(""),
             },
@@ -2228,7 +2233,7 @@ impl Event for CheckBatteryRemFlightTimeLow {
     }
 }
 
-/// A battery is missing or defective
+/// Battery missing, unresponsive or faulty
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CheckBatteryUnhealthy {
     /// The argument `modes`.
@@ -2258,13 +2263,13 @@ impl Event for CheckBatteryUnhealthy {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("A battery is missing or defective"),
+                message: Text::new("Battery missing, unresponsive or faulty"),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
                 message: Text::new(
-                    "Батарея відсутня або несправна",
+                    "Батарея відсутня, не відповідає або несправна",
                 ),
                 description: Text::new(""),
             },
@@ -2676,7 +2681,7 @@ impl Event for CheckEscsTelemMissing {
     }
 }
 
-/// The heading from GNSS is unreliable
+/// The GPS heading is unreliable
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CheckEstimatorGnssFault {
     /// The argument `modes`.
@@ -2706,12 +2711,12 @@ impl Event for CheckEstimatorGnssFault {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("The heading from GNSS is unreliable"),
+                message: Text::new("The GPS heading is unreliable"),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
-                message: Text::new("Курс від GNSS ненадійний"),
+                message: Text::new("Курс від GPS ненадійний"),
                 description: Text::new(""),
             },
         ],
@@ -2729,7 +2734,7 @@ impl Event for CheckEstimatorGnssFault {
     }
 }
 
-/// The estimator uses GNSS from now on
+/// The estimator started to use GPS
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CheckEstimatorGnssFusionStarted {}
 
@@ -2743,13 +2748,13 @@ impl Event for CheckEstimatorGnssFusionStarted {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("The estimator uses GNSS from now on"),
+                message: Text::new("The estimator started to use GPS"),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
                 message: Text::new(
-                    "Відтепер оцінювач використовує GNSS",
+                    "Оцінювач почав використовувати GPS",
                 ),
                 description: Text::new(""),
             },
@@ -2762,7 +2767,7 @@ impl Event for CheckEstimatorGnssFusionStarted {
     fn write(&self, _sink: &mut ArgumentWriter) {}
 }
 
-/// The estimator no longer uses GNSS
+/// The estimator stopped using GPS
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CheckEstimatorGnssFusionStopped {}
 
@@ -2776,13 +2781,13 @@ impl Event for CheckEstimatorGnssFusionStopped {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("The estimator no longer uses GNSS"),
+                message: Text::new("The estimator stopped using GPS"),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
                 message: Text::new(
-                    "Оцінювач більше не використовує GNSS",
+                    "Оцінювач припинив використовувати GPS",
                 ),
                 description: Text::new(""),
             },
@@ -2795,7 +2800,7 @@ impl Event for CheckEstimatorGnssFusionStopped {
     fn write(&self, _sink: &mut ArgumentWriter) {}
 }
 
-/// GPS has no sufficient fix
+/// GPS has no 3D fix
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CheckEstimatorGpsFixTooLow {
     /// The argument `modes`.
@@ -2825,14 +2830,12 @@ impl Event for CheckEstimatorGpsFixTooLow {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("GPS has no sufficient fix"),
+                message: Text::new("GPS has no 3D fix"),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
-                message: Text::new(
-                    "GPS не має достатньої фіксації",
-                ),
+                message: Text::new("GPS не має 3D-фіксації"),
                 description: Text::new(""),
             },
         ],
@@ -3013,7 +3016,7 @@ impl Event for CheckEstimatorGpsHorPosErrTooHigh {
     }
 }
 
-/// The horizontal GPS speed drifts too much
+/// The horizontal GPS speed at rest is too high
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CheckEstimatorGpsHorSpeedDriftTooHigh {
     /// The argument `modes`.
@@ -3043,13 +3046,13 @@ impl Event for CheckEstimatorGpsHorSpeedDriftTooHigh {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("The horizontal GPS speed drifts too much"),
+                message: Text::new("The horizontal GPS speed at rest is too high"),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
                 message: Text::new(
-                    "Горизонтальна швидкість GPS дрейфує занадто сильно",
+                    "Горизонтальна швидкість GPS у спокої завелика",
                 ),
                 description: Text::new(""),
             },
@@ -3286,7 +3289,7 @@ impl Event for CheckEstimatorGpsNumSatsTooLow {
     }
 }
 
-/// The GPS satellites stand unfavourably (PDOP)
+/// The geometry of the GPS satellites is poor (PDOP too high)
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CheckEstimatorGpsPdopTooHigh {
     /// The argument `modes`.
@@ -3316,13 +3319,15 @@ impl Event for CheckEstimatorGpsPdopTooHigh {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("The GPS satellites stand unfavourably (PDOP)"),
+                message: Text::new(
+                    "The geometry of the GPS satellites is poor (PDOP too high)",
+                ),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
                 message: Text::new(
-                    "Невдале розташування супутників GPS (PDOP)",
+                    "Геометрія супутників GPS погана (PDOP завеликий)",
                 ),
                 description: Text::new(""),
             },
@@ -3561,7 +3566,7 @@ impl Event for CheckEstimatorGpsVertPosErrTooHigh {
     }
 }
 
-/// The vertical GPS speed drifts too much
+/// The vertical GPS speed differs too much from the estimate
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CheckEstimatorGpsVertSpeedDriftTooHigh {
     /// The argument `modes`.
@@ -3591,13 +3596,15 @@ impl Event for CheckEstimatorGpsVertSpeedDriftTooHigh {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("The vertical GPS speed drifts too much"),
+                message: Text::new(
+                    "The vertical GPS speed differs too much from the estimate",
+                ),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
                 message: Text::new(
-                    "Вертикальна швидкість GPS дрейфує занадто сильно",
+                    "Вертикальна швидкість GPS надто відрізняється від оцінки",
                 ),
                 description: Text::new(""),
             },
@@ -4736,7 +4743,7 @@ impl Event for CheckExternalModesUnresponsive {
     }
 }
 
-/// The failure detector noticed a loss of altitude
+/// The failure detector found an altitude failure
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CheckFailureDetectorAlt {
     /// The argument `modes`.
@@ -4766,13 +4773,13 @@ impl Event for CheckFailureDetectorAlt {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("The failure detector noticed a loss of altitude"),
+                message: Text::new("The failure detector found an altitude failure"),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
                 message: Text::new(
-                    "Детектор відмов виявив втрату висоти",
+                    "Детектор відмов виявив відмову за висотою",
                 ),
                 description: Text::new(""),
             },
@@ -5113,7 +5120,7 @@ impl Event for CheckFailureDetectorRoll {
     }
 }
 
-/// The flight time has reached its limit
+/// Flight time limit exceeded
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CheckFlightTimeLimit {
     /// The argument `modes`.
@@ -5143,13 +5150,13 @@ impl Event for CheckFlightTimeLimit {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("The flight time has reached its limit"),
+                message: Text::new("Flight time limit exceeded"),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
                 message: Text::new(
-                    "Досягнуто граничного часу польоту",
+                    "Перевищено граничний час польоту",
                 ),
                 description: Text::new(""),
             },
@@ -5168,7 +5175,7 @@ impl Event for CheckFlightTimeLimit {
     }
 }
 
-/// The geofence returns to home, but home is unknown
+/// The geofence action is Return, but the home position is not set
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CheckGfNoHome {
     /// The argument `modes`.
@@ -5198,13 +5205,15 @@ impl Event for CheckGfNoHome {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("The geofence returns to home, but home is unknown"),
+                message: Text::new(
+                    "The geofence action is Return, but the home position is not set",
+                ),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
                 message: Text::new(
-                    "Дія геозони — повернення додому, але домашня позиція невідома",
+                    "Дія геозони — повернення, але домашню позицію не встановлено",
                 ),
                 description: Text::new(""),
             },
@@ -5223,7 +5232,7 @@ impl Event for CheckGfNoHome {
     }
 }
 
-/// The vehicle is at or beyond a geofence
+/// The vehicle is near or outside a geofence
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CheckGfViolationCustomGf {
     /// The argument `modes`.
@@ -5253,13 +5262,13 @@ impl Event for CheckGfViolationCustomGf {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("The vehicle is at or beyond a geofence"),
+                message: Text::new("The vehicle is near or outside a geofence"),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
                 message: Text::new(
-                    "Апарат на межі геозони або за нею",
+                    "Апарат біля геозони або поза нею",
                 ),
                 description: Text::new(""),
             },
@@ -6562,7 +6571,7 @@ impl Event for CheckMissingSystemPower {
     }
 }
 
-/// The mission can't be completed
+/// Mission cannot continue
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CheckMissionFailure {
     /// The argument `modes`.
@@ -6592,12 +6601,12 @@ impl Event for CheckMissionFailure {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("The mission can't be completed"),
+                message: Text::new("Mission cannot continue"),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
-                message: Text::new("Місію неможливо завершити"),
+                message: Text::new("Місію неможливо продовжити"),
                 description: Text::new(""),
             },
         ],
@@ -6615,7 +6624,7 @@ impl Event for CheckMissionFailure {
     }
 }
 
-/// The angular velocity is unknown
+/// No valid angular velocity
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CheckModesAngularVelocity {
     /// The argument `modes`.
@@ -6645,12 +6654,14 @@ impl Event for CheckModesAngularVelocity {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("The angular velocity is unknown"),
+                message: Text::new("No valid angular velocity"),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
-                message: Text::new("Кутова швидкість невідома"),
+                message: Text::new(
+                    "Немає достовірної кутової швидкості",
+                ),
                 description: Text::new(""),
             },
         ],
@@ -6668,7 +6679,7 @@ impl Event for CheckModesAngularVelocity {
     }
 }
 
-/// The attitude is unknown
+/// No valid attitude
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CheckModesAttitude {
     /// The argument `modes`.
@@ -6698,13 +6709,13 @@ impl Event for CheckModesAttitude {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("The attitude is unknown"),
+                message: Text::new("No valid attitude"),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
                 message: Text::new(
-                    "Просторова орієнтація невідома",
+                    "Немає достовірної орієнтації",
                 ),
                 description: Text::new(""),
             },
@@ -6723,7 +6734,7 @@ impl Event for CheckModesAttitude {
     }
 }
 
-/// The vehicle can't take off in this mode
+/// The vehicle can't arm in this mode
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CheckModesCannotTakeoff {
     /// The argument `modes`.
@@ -6753,13 +6764,13 @@ impl Event for CheckModesCannotTakeoff {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("The vehicle can't take off in this mode"),
+                message: Text::new("The vehicle can't arm in this mode"),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
                 message: Text::new(
-                    "У цьому режимі апарат не може злетіти",
+                    "Озброєння неможливе в цьому режимі",
                 ),
                 description: Text::new(""),
             },
@@ -6778,7 +6789,7 @@ impl Event for CheckModesCannotTakeoff {
     }
 }
 
-/// The global position is unknown
+/// No valid global position
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CheckModesGlobalPos {
     /// The argument `modes`.
@@ -6808,12 +6819,14 @@ impl Event for CheckModesGlobalPos {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("The global position is unknown"),
+                message: Text::new("No valid global position"),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
-                message: Text::new("Глобальна позиція невідома"),
+                message: Text::new(
+                    "Немає достовірної глобальної позиції",
+                ),
                 description: Text::new(""),
             },
         ],
@@ -6831,7 +6844,7 @@ impl Event for CheckModesGlobalPos {
     }
 }
 
-/// The home position is unknown
+/// Home position not set
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CheckModesHomePosition {
     /// The argument `modes`.
@@ -6861,12 +6874,14 @@ impl Event for CheckModesHomePosition {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("The home position is unknown"),
+                message: Text::new("Home position not set"),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
-                message: Text::new("Домашня позиція невідома"),
+                message: Text::new(
+                    "Домашню позицію не встановлено",
+                ),
                 description: Text::new(""),
             },
         ],
@@ -6884,7 +6899,7 @@ impl Event for CheckModesHomePosition {
     }
 }
 
-/// The altitude is unknown
+/// No valid local altitude
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CheckModesLocalAlt {
     /// The argument `modes`.
@@ -6914,12 +6929,14 @@ impl Event for CheckModesLocalAlt {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("The altitude is unknown"),
+                message: Text::new("No valid local altitude"),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
-                message: Text::new("Висота невідома"),
+                message: Text::new(
+                    "Немає достовірної локальної висоти",
+                ),
                 description: Text::new(""),
             },
         ],
@@ -6937,7 +6954,7 @@ impl Event for CheckModesLocalAlt {
     }
 }
 
-/// The local position is unknown
+/// No valid local position
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CheckModesLocalPos {
     /// The argument `modes`.
@@ -6967,12 +6984,14 @@ impl Event for CheckModesLocalPos {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("The local position is unknown"),
+                message: Text::new("No valid local position"),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
-                message: Text::new("Локальна позиція невідома"),
+                message: Text::new(
+                    "Немає достовірної локальної позиції",
+                ),
                 description: Text::new(""),
             },
         ],
@@ -6990,7 +7009,7 @@ impl Event for CheckModesLocalPos {
     }
 }
 
-/// No sticks are connected
+/// No manual control input
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CheckModesManualControl {
     /// The argument `modes`.
@@ -7020,14 +7039,12 @@ impl Event for CheckModesManualControl {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("No sticks are connected"),
+                message: Text::new("No manual control input"),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
-                message: Text::new(
-                    "Ручне керування не під’єднано",
-                ),
+                message: Text::new("Немає ручного керування"),
                 description: Text::new(""),
             },
         ],
@@ -7098,7 +7115,7 @@ impl Event for CheckModesMission {
     }
 }
 
-/// The offboard computer sends no setpoints
+/// No offboard signal: setpoints or a required estimate are missing
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CheckModesOffboardSignal {
     /// The argument `modes`.
@@ -7128,13 +7145,15 @@ impl Event for CheckModesOffboardSignal {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("The offboard computer sends no setpoints"),
+                message: Text::new(
+                    "No offboard signal: setpoints or a required estimate are missing",
+                ),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
                 message: Text::new(
-                    "Офборд-комп’ютер не надсилає заданих значень",
+                    "Немає сигналу offboard: бракує заданих значень або потрібної оцінки",
                 ),
                 description: Text::new(""),
             },
@@ -7367,7 +7386,7 @@ impl Event for CheckParachuteUnhealthy {
     }
 }
 
-/// No ground station is connected
+/// No ground station link
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CheckRcDlNoDllink {
     /// The argument `modes`.
@@ -7397,13 +7416,13 @@ impl Event for CheckRcDlNoDllink {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("No ground station is connected"),
+                message: Text::new("No ground station link"),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
                 message: Text::new(
-                    "Наземну станцію не під’єднано",
+                    "Немає зв’язку з наземною станцією",
                 ),
                 description: Text::new(""),
             },
@@ -8296,7 +8315,7 @@ impl Event for CheckSystemVtolInTransition {
     }
 }
 
-/// The VTOL's fixed-wing flight has failed
+/// Fixed-wing system of the VTOL failed
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CheckVtolFixedWingSystemFailure {
     /// The argument `modes`.
@@ -8326,7 +8345,7 @@ impl Event for CheckVtolFixedWingSystemFailure {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("The VTOL's fixed-wing flight has failed"),
+                message: Text::new("Fixed-wing system of the VTOL failed"),
                 description: Text::new(""),
             },
             EventTexts {
@@ -8446,7 +8465,7 @@ impl Event for CommanderArmDeniedCalibrating {
     fn write(&self, _sink: &mut ArgumentWriter) {}
 }
 
-/// Can't arm outside of manual modes
+/// Can't arm by remote control: select a manual mode first
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CommanderArmDeniedNotManual {}
 
@@ -8460,13 +8479,15 @@ impl Event for CommanderArmDeniedNotManual {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("Can't arm outside of manual modes"),
+                message: Text::new(
+                    "Can't arm by remote control: select a manual mode first",
+                ),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
                 message: Text::new(
-                    "Озброєння неможливе поза ручними режимами",
+                    "Озброєння з пульта неможливе: спочатку виберіть ручний режим",
                 ),
                 description: Text::new(""),
             },
@@ -8512,7 +8533,7 @@ impl Event for CommanderArmDeniedThrottleCenter {
     fn write(&self, _sink: &mut ArgumentWriter) {}
 }
 
-/// Can't arm: the throttle isn't at zero
+/// Can't arm: the throttle is too high
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CommanderArmDeniedThrottleHigh {}
 
@@ -8526,13 +8547,13 @@ impl Event for CommanderArmDeniedThrottleHigh {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("Can't arm: the throttle isn't at zero"),
+                message: Text::new("Can't arm: the throttle is too high"),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
                 message: Text::new(
-                    "Озброєння неможливе: газ не на нулі",
+                    "Озброєння неможливе: газ зависокий",
                 ),
                 description: Text::new(""),
             },
@@ -8748,7 +8769,7 @@ impl Event for CommanderDisarmedBy {
     }
 }
 
-/// The ground station is connected again
+/// Ground station link regained
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CommanderDlRegained {}
 
@@ -8762,7 +8783,7 @@ impl Event for CommanderDlRegained {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("The ground station is connected again"),
+                message: Text::new("Ground station link regained"),
                 description: Text::new(""),
             },
             EventTexts {
@@ -8781,7 +8802,7 @@ impl Event for CommanderDlRegained {
     fn write(&self, _sink: &mut ArgumentWriter) {}
 }
 
-/// Failsafe: {3}, so {2}
+/// Failsafe: {3}. Action: {2}
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CommanderFailsafeEnter {
     /// The argument `arg0`.
@@ -8818,12 +8839,12 @@ impl Event for CommanderFailsafeEnter {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("Failsafe: {3}, so {2}"),
+                message: Text::new("Failsafe: {3}. Action: {2}"),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
-                message: Text::new("Аварійний режим: {3}, дія: {2}"),
+                message: Text::new("Аварійний захист: {3}. Дія: {2}"),
                 description: Text::new(""),
             },
         ],
@@ -8843,7 +8864,7 @@ impl Event for CommanderFailsafeEnter {
     }
 }
 
-/// The battery is almost empty: land now
+/// Critical battery level: land now
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CommanderFailsafeEnterCritBatWarn {}
 
@@ -8857,13 +8878,13 @@ impl Event for CommanderFailsafeEnterCritBatWarn {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("The battery is almost empty: land now"),
+                message: Text::new("Critical battery level: land now"),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
                 message: Text::new(
-                    "Батарея майже розряджена: сідайте зараз",
+                    "Критичний заряд батареї: сідайте зараз",
                 ),
                 description: Text::new(""),
             },
@@ -8876,7 +8897,7 @@ impl Event for CommanderFailsafeEnterCritBatWarn {
     fn write(&self, _sink: &mut ArgumentWriter) {}
 }
 
-/// The battery is empty: land at once
+/// Emergency battery level: land immediately
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CommanderFailsafeEnterCritLowBatWarn {}
 
@@ -8890,13 +8911,13 @@ impl Event for CommanderFailsafeEnterCritLowBatWarn {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("The battery is empty: land at once"),
+                message: Text::new("Emergency battery level: land immediately"),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
                 message: Text::new(
-                    "Батарея розряджена: сідайте негайно",
+                    "Аварійний заряд батареї: сідайте негайно",
                 ),
                 description: Text::new(""),
             },
@@ -9070,7 +9091,7 @@ impl Event for CommanderFailsafeEnterGenericWarn {
     }
 }
 
-/// Failsafe: {4}, so {2} in {3} s
+/// Failsafe: {4}. Action in {3} s: {2}
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CommanderFailsafeEnterHold {
     /// The argument `arg0`.
@@ -9114,13 +9135,13 @@ impl Event for CommanderFailsafeEnterHold {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("Failsafe: {4}, so {2} in {3} s"),
+                message: Text::new("Failsafe: {4}. Action in {3} s: {2}"),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
                 message: Text::new(
-                    "Аварійний режим: {4}, дія: {2} через {3} с",
+                    "Аварійний захист: {4}. Дія за {3} с: {2}",
                 ),
                 description: Text::new(""),
             },
@@ -9143,7 +9164,7 @@ impl Event for CommanderFailsafeEnterHold {
     }
 }
 
-/// Battery charge is low: return
+/// Battery charge is low: return advised
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CommanderFailsafeEnterLowBat {}
 
@@ -9157,13 +9178,13 @@ impl Event for CommanderFailsafeEnterLowBat {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("Battery charge is low: return"),
+                message: Text::new("Battery charge is low: return advised"),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
                 message: Text::new(
-                    "Низький заряд батареї: повернення",
+                    "Заряд батареї низький: радимо повернутися",
                 ),
                 description: Text::new(""),
             },
@@ -9231,7 +9252,7 @@ impl Event for CommanderFailsafeEnterWarn {
     }
 }
 
-/// The ground station is lost
+/// Ground station link lost
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CommanderGcsLost {}
 
@@ -9245,7 +9266,7 @@ impl Event for CommanderGcsLost {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("The ground station is lost"),
+                message: Text::new("Ground station link lost"),
                 description: Text::new(""),
             },
             EventTexts {
@@ -9467,7 +9488,7 @@ impl Event for CommanderLandingDetected {
     fn write(&self, _sink: &mut ArgumentWriter) {}
 }
 
-/// The battery is empty: the system shuts down
+/// Dangerously low battery: the system shuts down
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CommanderLowBatShutdown {}
 
@@ -9481,13 +9502,13 @@ impl Event for CommanderLowBatShutdown {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("The battery is empty: the system shuts down"),
+                message: Text::new("Dangerously low battery: the system shuts down"),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
                 message: Text::new(
-                    "Батарея розряджена: система вимикається",
+                    "Небезпечно низький заряд батареї: система вимикається",
                 ),
                 description: Text::new(""),
             },
@@ -9500,7 +9521,7 @@ impl Event for CommanderLowBatShutdown {
     fn write(&self, _sink: &mut ArgumentWriter) {}
 }
 
-/// The battery is empty, but the system can't shut down
+/// Dangerously low battery, but the system can't shut down
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CommanderLowBatShutdownFailed {}
 
@@ -9515,14 +9536,14 @@ impl Event for CommanderLowBatShutdownFailed {
             EventTexts {
                 language: "en",
                 message: Text::new(
-                    "The battery is empty, but the system can't shut down",
+                    "Dangerously low battery, but the system can't shut down",
                 ),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
                 message: Text::new(
-                    "Батарея розряджена, але система не може вимкнутися",
+                    "Небезпечно низький заряд батареї, але система не може вимкнутися",
                 ),
                 description: Text::new(""),
             },
@@ -9535,7 +9556,7 @@ impl Event for CommanderLowBatShutdownFailed {
     fn write(&self, _sink: &mut ArgumentWriter) {}
 }
 
-/// The vehicle returns in {1} min: the flight time ends
+/// Near the flight time limit: the vehicle returns in {1} min
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CommanderMaxFlightTimeWarningMinutes {
     /// The argument `arg0`.
@@ -9559,14 +9580,14 @@ impl Event for CommanderMaxFlightTimeWarningMinutes {
             EventTexts {
                 language: "en",
                 message: Text::new(
-                    "The vehicle returns in {1} min: the flight time ends",
+                    "Near the flight time limit: the vehicle returns in {1} min",
                 ),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
                 message: Text::new(
-                    "Апарат повернеться через {1} хв: час польоту спливає",
+                    "Граничний час польоту близько: апарат повернеться через {1} хв",
                 ),
                 description: Text::new(""),
             },
@@ -9581,7 +9602,7 @@ impl Event for CommanderMaxFlightTimeWarningMinutes {
     }
 }
 
-/// The vehicle returns in {1} s: the flight time ends
+/// Near the flight time limit: the vehicle returns in {1} s
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CommanderMaxFlightTimeWarningSeconds {
     /// The argument `arg0`.
@@ -9604,13 +9625,15 @@ impl Event for CommanderMaxFlightTimeWarningSeconds {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("The vehicle returns in {1} s: the flight time ends"),
+                message: Text::new(
+                    "Near the flight time limit: the vehicle returns in {1} s",
+                ),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
                 message: Text::new(
-                    "Апарат повернеться через {1} с: час польоту спливає",
+                    "Граничний час польоту близько: апарат повернеться через {1} с",
                 ),
                 description: Text::new(""),
             },
@@ -9625,7 +9648,7 @@ impl Event for CommanderMaxFlightTimeWarningSeconds {
     }
 }
 
-/// The mission computer is lost
+/// Connection to the onboard computer lost
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CommanderMissionCompLost {}
 
@@ -9639,13 +9662,13 @@ impl Event for CommanderMissionCompLost {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("The mission computer is lost"),
+                message: Text::new("Connection to the onboard computer lost"),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
                 message: Text::new(
-                    "Втрачено зв’язок із комп’ютером місії",
+                    "Втрачено зв’язок із бортовим комп’ютером",
                 ),
                 description: Text::new(""),
             },
@@ -9781,7 +9804,7 @@ impl Event for CommanderModeswitchNotAvail {
     }
 }
 
-/// The onboard controller is connected again
+/// Connection to the onboard computer regained
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CommanderOnboardCtrlRegained {}
 
@@ -9795,13 +9818,13 @@ impl Event for CommanderOnboardCtrlRegained {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("The onboard controller is connected again"),
+                message: Text::new("Connection to the onboard computer regained"),
                 description: Text::new(""),
             },
             EventTexts {
                 language: "uk",
                 message: Text::new(
-                    "Зв’язок із бортовим контролером відновлено",
+                    "Зв’язок із бортовим комп’ютером відновлено",
                 ),
                 description: Text::new(""),
             },
@@ -9913,7 +9936,7 @@ impl Event for CommanderParachuteRegained {
     fn write(&self, _sink: &mut ArgumentWriter) {}
 }
 
-/// The sticks are lost
+/// Manual control input lost
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CommanderRcLost {}
 
@@ -9927,7 +9950,7 @@ impl Event for CommanderRcLost {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("The sticks are lost"),
+                message: Text::new("Manual control input lost"),
                 description: Text::new(""),
             },
             EventTexts {
@@ -9977,7 +10000,7 @@ impl Event for CommanderRcOverride {
     fn write(&self, _sink: &mut ArgumentWriter) {}
 }
 
-/// The sticks are back after {1:.1} s
+/// Manual control input regained after {1:.1} s
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CommanderRcRegained {
     /// The argument `arg0`.
@@ -10000,7 +10023,7 @@ impl Event for CommanderRcRegained {
         texts: &[
             EventTexts {
                 language: "en",
-                message: Text::new("The sticks are back after {1:.1} s"),
+                message: Text::new("Manual control input regained after {1:.1} s"),
                 description: Text::new(""),
             },
             EventTexts {

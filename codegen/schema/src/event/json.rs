@@ -7,7 +7,6 @@ use jsonc_parser::{CollectOptions, ParseOptions, parse_to_ast};
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::limits::{MAX_EVENT_VALUES, MAX_EVENTS_LEN, MAX_MISTAKES};
 use crate::span::Span;
-use crate::wording::thousands;
 
 /// A string with its location.
 #[derive(Clone, Debug)]
@@ -57,8 +56,7 @@ impl Reader {
         }
         // Each value follows one of these characters. Some are in strings, so there may be fewer values.
         if text.bytes().filter(|byte| matches!(byte, b'{' | b'[' | b',')).count() > MAX_EVENT_VALUES {
-            let what = format!("more than {} values", thousands(MAX_EVENT_VALUES));
-            self.report(Problem::InvalidJson { what }, self.source.part(0..0));
+            self.report(Problem::TooManyEventValues { max: MAX_EVENT_VALUES }, self.source.part(0..0));
             return None;
         }
         let options = ParseOptions {
@@ -93,7 +91,9 @@ impl Reader {
     }
 
     fn wrong_type<T>(&mut self, value: &Value<'_>, what: &str, expected: &'static str) -> Option<T> {
-        self.report(Problem::MemberType { what: what.to_owned(), expected }, self.span(value.range()));
+        // Names of members have no spaces.
+        let what = if what.contains(' ') { what.to_owned() } else { format!("`{what}`") };
+        self.report(Problem::MemberType { what, expected }, self.span(value.range()));
         None
     }
 

@@ -304,9 +304,9 @@ fn mistakes(text: Text<'_>, count: usize) -> Vec<String> {
             Piece::Plain(plain) => {
                 // A mistake at the start explains the end.
                 let stray = plain.chars().filter(|c| *c == '>' && !has_tag || *c == '}' && !has_brace);
-                found.extend(
-                    stray.map(|stray| format!("`{stray}` has no start; write `\\{stray}` for the character")),
-                );
+                found.extend(stray.map(|stray| {
+                    format!("`{stray}` has no matching start; write `\\{stray}` for the character")
+                }));
                 if ["http://", "https://"].iter().any(|start| plain.contains(start)) {
                     found.push("an address is outside of a tag; write `<a>ADDRESS</a>`".to_owned());
                 }
@@ -315,12 +315,12 @@ fn mistakes(text: Text<'_>, count: usize) -> Vec<String> {
             Piece::Escaped(_) => {}
             Piece::Stray("{") => {
                 found.push(
-                    "`{` starts no placeholder such as `{1}` or `{2:.1m/s}`; write `\\{` for the character"
+                    "`{` doesn't start a placeholder such as `{1}` or `{2:.1m/s}`; write `\\{` for the character"
                         .to_owned(),
                 );
             }
             Piece::Stray(_) => {
-                found.push("`<` starts no tag that ends; write `\\<` for the character".to_owned());
+                found.push("`<` starts a tag that isn't closed; write `\\<` for the character".to_owned());
             }
             Piece::Placeholder(placeholder) => {
                 if placeholder.number > count {

@@ -275,7 +275,10 @@ impl<'c> McapFile<'c> {
             Err("it follows the first message; name the file with `--events`".to_owned())
         } else {
             let data = AttachmentHead::read(body).and_then(|head| head.data(body));
-            data.ok_or_else(|| format!("the attachment has {} bytes", thousands(length)))
+            data.ok_or_else(|| {
+                let (length, most) = (thousands(length), thousands(MAX_EVENTS_LEN));
+                format!("the attachment is truncated, or longer than {most} bytes: {length} bytes")
+            })
         };
         let problem = bag.run.read_metadata(read);
         self.metadata = None;

@@ -22,7 +22,7 @@ pub use self::arming::{reply_events, text};
 pub(super) use self::events::logged_text;
 pub use self::events::{SentEvent, full_name};
 use self::flights::Flights;
-pub use self::flights::{Flight, Overview, Refusal, Refused, refused_modes};
+pub use self::flights::{Flight, Overview, Refusal, Refused, refused_modes, reported_modes};
 use self::requirements::Requirements;
 pub use self::requirements::required_flags;
 use super::context::Context;

@@ -22,7 +22,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::Duration;
 
-use uavspec_check::timeline::{Part, Refused, Texts, number, refused_modes, state_value, topic_name};
+use uavspec_check::timeline::{
+    Part, Refused, Texts, number, refused_modes, reported_modes, state_value, topic_name,
+};
 use uavspec_dynamic::DynamicView;
 use uavspec_model::{Channel, Message};
 use uavspec_px4::checks::{Reports, Step};
@@ -207,6 +209,11 @@ impl Vehicle {
         let is_changed = refused != self.refused;
         self.refused = refused;
         is_changed
+    }
+
+    /// The modes in the latest report.
+    pub fn modes(&self) -> Vec<Part> {
+        self.reports.latest().map(reported_modes).unwrap_or_default()
     }
 
     fn count(&mut self, time: u64) {

@@ -260,7 +260,7 @@ pub fn check_bus(address: &Address) -> Result<(), String> {
 /// Probes the references of each case, and passes the results to `take` in case order. Without `buses`, the participants
 /// communicate within this process.
 pub fn pairs(cases: &[Case], buses: &[Address], mut take: impl FnMut(io::Result<Row>)) {
-    // The references send the events that uavspec knows.
+    // The references send built-in events.
     let mut events = EventMetadata::built_in(PX4_EVENTS);
     events.origin = EventOrigin::Capture;
     let library = Library::built_in().with_events(events);

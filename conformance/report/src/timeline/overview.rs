@@ -28,11 +28,6 @@ pub struct WhyNotArm {
 }
 
 impl WhyNotArm {
-    /// The mode in the question, if it is in none of the reports.
-    pub fn unknown_mode(&self, overview: &Overview) -> Option<&str> {
-        self.mode.as_deref().filter(|mode| !overview.modes.iter().any(|known| known.is_named(mode)))
-    }
-
     /// The refusals that answer the question.
     pub fn refusals<'o>(&self, overview: &'o Overview) -> Vec<&'o Refusal> {
         let is_at = |refusal: &Refusal| {
@@ -50,7 +45,7 @@ impl WhyNotArm {
     pub fn answer(&self, overview: &Overview, language: &str) -> String {
         let refusals = self.refusals(overview);
         if refusals.is_empty() {
-            return "Nothing prevented arming.\n".to_owned();
+            return "No health and arming report says that the vehicle couldn't arm.\n".to_owned();
         }
         refusals.into_iter().map(|found| refusal(found, language) + "\n").collect()
     }

@@ -10,15 +10,15 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
     name: "Known events",
     level: Level::Info,
     status: Status::Advisory,
-    statement: "The event metadata has the id of each event, also of those in an ArmingCheckReply.",
+    statement: "The event metadata defines every event, including the events in an ArmingCheckReply.",
     source: "event metadata (`event_groups`)",
     applies_to: "message values",
     why: "A ground station shows nothing for an event without metadata. If it is the reason why the \
           vehicle can't arm, the operator sees no reason.",
     example: "{…, \"id\": 16909060, …}        (component 1 has no event 131844)",
     fix: "Add the event to the metadata: PX4's build collects it from the call of `events::send` or \
-          from the comment above it. For an external component, pass its own metadata with \
-          `--events`.",
+          from the comment above it. Add the events of external components to the same file; \
+          `--events` applies only to captures without metadata.",
 })
 .check(Check::State(|| {
     Box::new(Each(|event, events| {

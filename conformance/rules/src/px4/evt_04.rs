@@ -14,8 +14,7 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
                 because PX4 sets bits of modes without a name.",
     source: "event metadata (`enums`)",
     applies_to: "message values",
-    why: "Ground stations show an unknown value as a number, so the operator doesn't see what it \
-          means.",
+    why: "Ground stations show `(unknown: 99)`, so the operator doesn't see what the value means.",
     example: "commander_disarmed_by, reason: 99     (arm_disarm_reason_t ends with 14)",
     fix: "Send a value of the enum, or add the value to the enum in the metadata.",
 })

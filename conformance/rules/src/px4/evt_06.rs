@@ -14,7 +14,8 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
                 about problems, and ends with the summary of the group `health` for the same chunk.",
     source: "libevents (health and arming checks)",
     applies_to: "message sequences",
-    why: "Ground stations drop a report in any other order, so the operator sees an older one.",
+    why: "Ground stations drop incomplete reports and ignore problems outside of a report, so the \
+          operator sees an older report, or no reason.",
     example: "commander_arming_check_summary\n\
               check_modes_local_pos\n\
               commander_arming_check_summary      (the first report has no end)",

@@ -10,14 +10,14 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
     name: "Reasons in a health and arming report",
     level: Level::Info,
     status: Status::Advisory,
-    statement: "A report has an event about each component with an error, and an event for each named \
-                mode in which the vehicle can't arm.",
+    statement: "A report has an event for each health component with an error, and for each named group \
+                of modes in which the vehicle can't arm.",
     source: "derived: the summaries and the events state the same problems",
     applies_to: "message sequences",
     why: "Without an event, the operator sees that the vehicle can't arm, but not why.",
     example: "commander_arming_check_summary: error \"GPS\", can_arm nothing\n\
               commander_health_summary                (no event about the GPS)",
-    fix: "Report an event wherever a bit is set or cleared. PX4 also drops events if the buffer of a \
+    fix: "Send an event wherever the code sets an error bit or clears a `can_arm` bit. PX4 also drops events if the buffer of a \
           report is full.",
 })
 .check(Check::State(|| Box::new(Follow::new(reasons))))

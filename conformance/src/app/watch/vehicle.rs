@@ -57,7 +57,7 @@ pub(super) struct VehicleArgs {
     /// The answer is in the health and arming reports on the topic `event`.
     #[arg(long)]
     why_not_arm: bool,
-    /// Mode of the question, such as posctl (default: all modes).
+    /// Mode for --why-not-arm, such as posctl (default: all modes).
     #[arg(long, value_name = "NAME", requires = "why_not_arm")]
     mode: Option<String>,
     /// IP address of a computer that multicast doesn't reach (DDS, repeatable).
@@ -169,7 +169,8 @@ fn failed(labels: &Labels, problem: &str) -> Status {
 /// Prints the state as text.
 fn print_once(args: &WatchArgs, playback: &Playback, labels: &Labels) -> Exit {
     let question = &args.vehicle;
-    let (text, is_empty) = playback.show(|shown| {
+    let mode = question.mode.as_deref();
+    let (text, modes, is_empty) = playback.show(|shown| {
         let scene = Scene {
             shown,
             source: &labels.source,
@@ -177,16 +178,13 @@ fn print_once(args: &WatchArgs, playback: &Playback, labels: &Labels) -> Exit {
             theme: Theme { is_coloured: false },
             now: Clock::real().now(),
         };
-        let text = if question.why_not_arm {
-            why_not_arm(&scene, question.mode.as_deref())
-        } else {
-            Some(text(&scene))
-        };
-        (text, !shown.vehicle.has_state())
+        let text = if question.why_not_arm { why_not_arm(&scene, mode) } else { Some(text(&scene)) };
+        (text, shown.vehicle.modes(), !shown.vehicle.has_state())
     });
     let Some(text) = text else {
         return Err(failed(labels, "no health and arming report was received on the topic `event`"));
     };
+    explain::check_mode(mode, &modes)?;
     print_result(&text)?;
     if is_empty {
         return Err(failed(labels, "no message of the display's topics was received"));

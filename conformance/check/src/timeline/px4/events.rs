@@ -169,8 +169,8 @@ fn state_of_mode(mode: &ModeGroup) -> (&'static str, Severity) {
     match (mode.can_arm, mode.can_run) {
         (true, true) => ("can arm", Severity::Normal),
         (false, false) => ("can't arm", Severity::Error),
-        (false, true) => ("can't arm, but can run", Severity::Error),
-        (true, false) => ("can arm, but can't run", Severity::Warning),
+        (false, true) => ("can't arm, but can switch to", Severity::Error),
+        (true, false) => ("can arm, but can't switch to", Severity::Warning),
     }
 }
 

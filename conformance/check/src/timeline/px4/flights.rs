@@ -181,7 +181,7 @@ impl Flights {
     /// Takes the reasons against arming from a report.
     pub(super) fn report(&mut self, report: &Report, refused: Vec<Refused>, time: u64) {
         if self.overview.modes.is_empty() {
-            self.overview.modes = report.modes.values().map(part).collect();
+            self.overview.modes = reported_modes(report);
         }
         self.end_refusals(time, |bit| refused.iter().all(|refused| refused.number != bit));
         if self.is_armed == Some(true) {
@@ -238,6 +238,11 @@ impl Flights {
 
 fn part(mode: &ModeGroup) -> Part {
     Part::new(mode.name.clone(), Label::plain(&mode.description))
+}
+
+/// The modes in a report.
+pub fn reported_modes(report: &Report) -> Vec<Part> {
+    report.modes.values().map(part).collect()
 }
 
 /// The modes in which the vehicle can't arm. PX4 reports a problem that prevents nothing for all modes, so such problems

@@ -8,6 +8,7 @@ use std::time::Instant;
 use ratatui::Frame;
 use ratatui::text::Line;
 use uavspec_check::timeline::Refused;
+use uavspec_model::text::shown;
 
 use super::theme::Theme;
 use super::{GAP, draw_columns, draw_frame, foot};
@@ -107,8 +108,11 @@ pub fn why_not_arm(scene: &Scene<'_>, mode: Option<&str>) -> Option<String> {
     let refused = scene.shown.vehicle.refused.as_deref()?;
     let is_asked = |refused: &&Refused| mode.is_none_or(|mode| refused.mode.is_named(mode));
     let texts = sections::refused_texts(scene, refused.iter().filter(is_asked));
-    let nothing = || "Nothing prevents arming.\n".to_owned();
-    Some(if texts.is_empty() { nothing() } else { texts.join("\n") + "\n" })
+    Some(match (&texts[..], mode) {
+        ([], None) => "The vehicle can arm in all modes.\n".to_owned(),
+        ([], Some(mode)) => format!("The vehicle can arm in {}.\n", shown(mode)),
+        _ => texts.join("\n") + "\n",
+    })
 }
 
 #[cfg(test)]

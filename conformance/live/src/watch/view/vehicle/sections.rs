@@ -107,7 +107,7 @@ pub(super) fn refusals(scene: &Scene<'_>, width: usize) -> Lines {
     if refused.is_empty() {
         return Vec::new();
     }
-    let mut lines = title(scene.theme, "MODES THAT CAN'T ARM", &refused.len().to_string());
+    let mut lines = title(scene.theme, "CAN'T ARM IN THESE MODES", &refused.len().to_string());
     let texts = refused_texts(scene, refused.iter());
     lines.extend(texts.iter().flat_map(|text| wrapped(text, width)).map(Line::raw));
     lines

@@ -85,7 +85,7 @@ fn medium_screens_show_one_column() {
             "          00 ab",
             "BATTERY",
             "battery 1 18%  14.3 V  Low voltage",
-            "MODES THAT CAN'T ARM  23",
+            "CAN'T ARM IN THESE MODES  23",
             "Position, Manual, Altitude, Mission, Hold, Return, Acro, Offboard, Stabilized,",
             "Takeoff, Land, Follow Me, Precision Land, Orbit, VTOL Takeoff, External 1,",
             "External 2, External 3, External 4, External 5, External 6, External 7, External",
@@ -120,7 +120,7 @@ fn wide_screens_show_two_columns() {
                 "warning   Most severe battery warning: Low voltage  battery_warning",
                 "          4, arguments 00 ab",
             ),
-            ("MODES THAT CAN'T ARM  23", "FLAGS THAT AREN'T SET"),
+            ("CAN'T ARM IN THESE MODES  23", "FLAGS THAT AREN'T SET"),
             (
                 "Position, Manual, Altitude, Mission, Hold, Return, Acro, Offboard,",
                 "Mode requirements: No valid angular velocity; No valid attitude; No",
