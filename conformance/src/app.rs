@@ -67,13 +67,12 @@ use uavspec_tables as tables;
 
 const PROGRAM: &str = "uavspec";
 
-const EXAMPLES: &str = "Examples:
-  uavspec init --rust
-  uavspec check flight.ulg
-  uavspec lint --package my_msgs --dialect px4 --input msg
-  uavspec test -- ./my-codec --stdio
-  uavspec probe tcp://localhost:5001
-  uavspec rules PX-RANGE-01";
+const EXAMPLES: &str = "Five things to try:
+  uavspec sample               write a log, a bag and a session of a short flight
+  uavspec check flight.ulg     check the log against the definitions of PX4
+  uavspec explain flight.ulg   why the vehicle couldn't arm, and what it did
+  uavspec explain 134          what an error code, field or event means
+  uavspec init                 generate code from definitions of your own";
 
 const STATUS: &str = "Exit status:
   0  success: no MUST rule is violated; coverage may be partial
@@ -110,7 +109,7 @@ fn outcome_statuses(failure: &str, incomplete: Option<&str>) -> String {
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{STATUS}"))]
 struct Cli {
     #[command(subcommand)]
-    command: Command,
+    command: Option<Command>,
 }
 
 #[derive(Debug, Subcommand)]
@@ -299,7 +298,10 @@ impl From<&Outcome> for Status {
 
 /// Runs the program with the arguments of the process.
 pub fn main() -> ExitCode {
-    let exit = match terminal::parse_as::<Cli>(interface(), shown_value).command {
+    let Some(command) = terminal::parse_as::<Cli>(interface(), shown_value).command else {
+        return introduce();
+    };
+    let exit = match command {
         Command::Definitions(command) => return command.run(),
         Command::Sample(args) => sample::run(&args),
         Command::Init(args) => init::run(&args),
@@ -317,7 +319,17 @@ pub fn main() -> ExitCode {
         Command::Completions(args) => completions::run(&args),
         Command::Man(args) => man::run(&args),
     };
-    let status = exit.unwrap_or_else(|status| status);
+    finish(exit.unwrap_or_else(|status| status))
+}
+
+/// Prints what to try, for a user who named no command.
+fn introduce() -> ExitCode {
+    terminal::println!("{}\n\n`uavspec --help` lists all commands.", EXAMPLES);
+    finish(Status::Conforms)
+}
+
+/// The exit code of a status.
+fn finish(status: Status) -> ExitCode {
     // A text that is lost is worse than any finding in it.
     let printed = terminal::finish().map_err(unprinted);
     ExitCode::from(status.max(printed.err().unwrap_or(status)).code())

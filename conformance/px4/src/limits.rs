@@ -10,5 +10,5 @@ pub(crate) const MAX_REPORTED: usize = 10_000;
 /// The maximum number of chunks of a health and arming report. PX4 sends one.
 pub(crate) const MAX_CHUNKS: usize = 16;
 
-/// The maximum number of problems in a chunk. More than this can't be read by a pilot.
-pub(crate) const MAX_PROBLEMS: usize = 256;
+/// The maximum number of problems in a report. PX4's buffer has room for fewer.
+pub(crate) const MAX_PROBLEMS: usize = 64;

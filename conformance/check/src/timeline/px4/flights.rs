@@ -12,7 +12,7 @@ use uavspec_px4::event::EventMetadata;
 
 use super::events::part_of;
 use super::number;
-use crate::limits::{MAX_FLIGHTS, MAX_REFUSALS};
+use crate::limits::{MAX_FLIGHTS, MAX_REASONS, MAX_REFUSALS};
 use crate::timeline::label::{Label, Texts};
 use crate::timeline::lane::Part;
 
@@ -198,7 +198,7 @@ impl Flights {
             let Some(open) = refusals.get_mut(index) else { continue };
             open.is_selected |= selected == Some(number);
             for part in reasons {
-                if !open.reasons.contains(&part) {
+                if open.reasons.len() < MAX_REASONS && !open.reasons.contains(&part) {
                     open.reasons.push(part);
                 }
             }
