@@ -12,8 +12,8 @@ pub(crate) enum Command {
     Start,
     /// The first character of the line is a colon.
     Colon,
-    /// The first characters of the line are two colons. No name starts with a third one, which precedes the second place
-    /// of a diagnostic.
+    /// The first characters of the line are two colons. A name starts with a letter. A third colon precedes the second
+    /// place of a diagnostic.
     Colons,
     /// A number sign precedes.
     Hash,
@@ -36,7 +36,7 @@ impl Command {
             (Self::Start, ':') => (Self::Colon, false),
             (Self::Start, _) if character.is_whitespace() => (Self::Start, false),
             (Self::Colon, ':') => (Self::Colons, false),
-            (Self::Colons, _) => (Self::Text, character != ':' && character != ' '),
+            (Self::Colons, _) => (Self::Text, character.is_alphanumeric()),
             (Self::Name, '[') => (Self::Text, true),
             (Self::Hash | Self::Name, '#') => (Self::Name, false),
             (Self::Name, _) if character.is_ascii_alphabetic() => (Self::Name, false),
