@@ -73,7 +73,7 @@ fn a_small_file_that_unpacks_to_much_is_refused() {
 fn a_text_of_many_values_is_refused() {
     for text in ["0,", "[],", "[0],", "{\"\":0},"] {
         let many = format!("[{}0]", text.repeat(70_000));
-        assert_eq!(mistakes(many), ["invalid JSON: more than 65,536 values"], "{text}");
+        assert_eq!(mistakes(many), ["the file has more than 65536 values"], "{text}");
     }
     let long = format!("[\"{}\"]", " ".repeat(MAX_EVENTS_LEN));
     assert_eq!(mistakes(long), ["the file is 1048580 bytes long; the limit is 1048576 bytes"]);
@@ -135,12 +135,12 @@ fn only_types_of_c_are_basic_types() {
 #[test]
 fn each_mistake_in_a_text_is_reported() {
     for (text, expected) in [
-        ("<a>", "`<` starts no tag that ends"),
+        ("<a>", "`<` starts a tag that isn't closed"),
         ("<a><a>x</a></a>", "the tag `<a>` is in a tag of the same name"),
         ("<b>x</b>", "the tag `<b>` is unknown, so readers omit its content"),
         ("{999999999999}", "`{999999999999}` refers to none of the 0 arguments"),
-        ("{99999999999999999999}", "`{` starts no placeholder"),
-        ("{1", "`{` starts no placeholder"),
+        ("{99999999999999999999}", "`{` doesn't start a placeholder"),
+        ("{1", "`{` doesn't start a placeholder"),
         (r#"<profile name=\"dev\">{1}</profile>"#, "`{1}` refers to none of the 0 arguments"),
         (r"\\", r"`\` is the last character"),
     ] {

@@ -116,7 +116,7 @@ fn each_fixture_has_the_expected_diagnostics() {
 type Generated = (&'static str, Vec<(String, Vec<u8>)>);
 
 /// Definitions that are too large for fixtures, with the diagnostic codes that they cause.
-fn generated() -> [Generated; 4] {
+fn generated() -> [Generated; 5] {
     let spaces = ("Glider.msg".to_owned(), vec![b' '; (4 << 20) + 1]);
     // Each level has 32 fields of the previous level's type, so the last level contains more than 2^20 fields.
     let levels = (0..5).map(|level: u32| {
@@ -140,6 +140,7 @@ fn generated() -> [Generated; 4] {
         ("too-many-fields", levels.collect()),
         ("too-much-nesting", chain.collect()),
         ("too-many-members", vec![enums]),
+        ("too-many-event-values", vec![("events.json".to_owned(), vec![b','; 1 << 17])]),
     ]
 }
 
@@ -149,7 +150,8 @@ fn rejects_definitions_too_large_for_fixtures() {
     let is_tried = |(code, _): &Generated| extent(true, *code != "too-many-members");
     for (code, files) in generated().into_iter().filter(is_tried) {
         let mut sources = SourceMap::default();
-        let mut package = package("demo", Form::Msg(Dialect::Px4));
+        let is_json = files.iter().any(|(path, _)| path.ends_with(".json"));
+        let mut package = package("demo", if is_json { Form::Events } else { Form::Msg(Dialect::Px4) });
         let mut diagnostics = Vec::new();
         for (path, bytes) in files {
             match sources.add(path, bytes) {

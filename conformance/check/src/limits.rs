@@ -150,6 +150,3 @@ pub(crate) const MAX_FLIGHTS: usize = 100;
 
 /// The maximum number of times at which a vehicle can't arm in a mode.
 pub(crate) const MAX_REFUSALS: usize = 1_000;
-
-/// The maximum number of reasons for such a time. Reasons with different arguments count separately.
-pub(crate) const MAX_REASONS: usize = 64;

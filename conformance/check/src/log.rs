@@ -374,13 +374,16 @@ impl<'d> LogChecker<'d> {
         let Some(metadata) = self.metadata.take() else { return };
         let Some(place) = metadata.place else { return };
         let problem = self.run.read_metadata(metadata.checked());
-        self.run.findings.cover(&px4::EVT_01.rule, 1);
         match problem {
-            Some(text) if self.run.extent == Extent::Whole => {
-                self.run.findings.report(&px4::EVT_01.rule, Metadata::KEY, place, None, || Detail::new(text));
+            // Behind a corrupt part, a piece may be missing.
+            Some(text) if self.run.extent != Extent::Whole => self.run.note(&text),
+            problem => {
+                self.run.findings.cover(&px4::EVT_01.rule, 1);
+                if let Some(text) = problem {
+                    let detail = || Detail::new(text);
+                    self.run.findings.report(&px4::EVT_01.rule, Metadata::KEY, place, None, detail);
+                }
             }
-            Some(text) => self.run.note(&text),
-            None => {}
         }
     }
 

@@ -226,7 +226,7 @@ impl Observer for Follower<'_> {
     }
 
     fn text(&mut self, level: u8, text: &str, time: u64) {
-        px4::logged_text(level, text, time, &self.metadata, &mut self.lanes);
+        px4::logged_text(level, text, time, &mut self.lanes);
     }
 
     fn session_record(&mut self, record: &SessionRecord<'_>, time: Option<u64>, definitions: &Definitions) {
@@ -273,6 +273,7 @@ impl<'t> Follower<'t> {
         let topics = self.topics(is_session, &result.coverage.parts);
         let values_without_lane = self.lanes.more;
         let mut lanes = self.lanes.finish(start, end);
+        px4::remove_repeated_texts(&mut lanes);
         px4::hide_only_channels(&mut lanes);
         Ok(Timeline {
             version: VERSION,

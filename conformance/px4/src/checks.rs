@@ -11,6 +11,9 @@ use uavspec_schema::{EventEnum, EventKind};
 use crate::event::RawEvent;
 use crate::limits::{MAX_CHUNKS, MAX_PROBLEMS};
 
+/// The number of problems in a report at which PX4 drops further ones. The summaries contain their bits.
+const MAX_SENT: usize = 14;
+
 /// A report. The modes, components and problems of all chunks are combined.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
@@ -99,6 +102,10 @@ pub struct Reports {
     latest: Option<Report>,
     /// The number of the latest event.
     number: Option<u16>,
+    /// The number of the chunk that was completed last.
+    completed: Option<u8>,
+    /// True if the open or latest chunk follows one with the same number.
+    is_only_chunk: bool,
     /// True if a report has begun since events were lost.
     has_begun: bool,
     /// True if an event is unknown since the latest report has begun.
@@ -111,9 +118,11 @@ impl Reports {
         self.latest.as_ref()
     }
 
-    /// The latest complete report, if all of its events are known, and no part of it is from an earlier report.
+    /// The latest complete report, if all of its events are known and PX4 dropped none. It is the only chunk, as the one
+    /// before it was.
     pub fn known(&self) -> Option<&Report> {
-        self.latest().filter(|_| !self.has_unknown && self.chunks.len() == 1)
+        let is_known = !self.has_unknown && self.is_only_chunk && self.chunks.len() == 1;
+        self.latest().filter(|report| is_known && report.problems.len() < MAX_SENT)
     }
 
     /// Follows an event, which is `None` if it is unknown. If events are missing, the report that has begun is
@@ -168,6 +177,7 @@ impl Reports {
         let report =
             Report { modes: modes.collect(), components: components.collect(), problems: Vec::new() };
         let Ok(chunk) = u8::try_from(chunk) else { return Step::Unexpected("the chunk has no valid number") };
+        self.is_only_chunk = self.completed == Some(chunk);
         self.open = Some((chunk, report));
         if was_open { Step::Unexpected("the report before it has no end") } else { Step::Open }
     }
@@ -206,6 +216,7 @@ impl Reports {
         if self.chunks.len() >= MAX_CHUNKS && !self.chunks.contains_key(&chunk) {
             self.chunks.clear();
         }
+        self.completed = Some(chunk);
         self.chunks.insert(chunk, report);
         self.latest = self.combined();
         Step::Complete

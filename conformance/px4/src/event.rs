@@ -85,6 +85,13 @@ fn read(bytes: &[u8]) -> io::Result<(Events, Option<Problem>)> {
     Ok((events, mistakes.into_iter().find(|mistake| mistake.level() == Level::Error)))
 }
 
+/// The events about arming and disarming, each with the field of `vehicle_status` that states the reason.
+pub const ARMING_EVENTS: [(&str, &str); 2] =
+    [("commander_armed_by", "latest_arming_reason"), ("commander_disarmed_by", "latest_disarming_reason")];
+
+/// `vehicle_status.arming_state` of an armed vehicle, in all releases.
+pub const ARMED: u8 = 2;
+
 /// The origin of event metadata.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum EventOrigin {

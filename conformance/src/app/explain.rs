@@ -168,11 +168,20 @@ fn timeline(args: &ExplainArgs) -> Exit {
 fn why_not_arm(args: &ExplainArgs, timeline: &Timeline, question: &WhyNotArm, language: &str) -> Exit {
     let Some(overview) = timeline.overview.as_ref().filter(|overview| !overview.modes.is_empty()) else {
         let help = "PX4 reports the reasons in events, which logs of PX4 1.14 and later contain";
-        return Err(Status::Nothing.with_help("the capture has no health and arming report", help));
+        let problem =
+            "the capture lacks `vehicle_status` or health and arming reports, or contains several vehicles";
+        return Err(Status::Nothing.with_help(problem, help));
     };
     check_mode(question.mode.as_deref(), &overview.modes)?;
+    if let Some(time) = question.time_us.filter(|time| time.unsigned_abs() > timeline.duration_us) {
+        let problem = format!("the capture ends before {} s", time / 1_000_000);
+        return Err(Status::Usage.with_help(problem, "name an earlier time"));
+    }
     let text = match args.format {
-        Format::Text => question.answer(overview, language),
+        Format::Text => {
+            let metadata = timeline.event_metadata.as_deref().unwrap_or_default();
+            format!("{}Events explained by {}.\n", question.answer(overview, language), shown(metadata))
+        }
         Format::Json => json_text::pretty(&question.refusals(overview)),
     };
     print(&text).map_err(|error| Status::Unreadable.because(format_args!("standard output: {error}")))?;

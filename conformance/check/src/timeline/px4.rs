@@ -19,8 +19,8 @@ use uavspec_schema::{Form, MessageId};
 
 pub(crate) use self::arming::{REPLY, contains_events};
 pub use self::arming::{reply_events, text};
-pub(super) use self::events::logged_text;
 pub use self::events::{SentEvent, full_name};
+pub(super) use self::events::{logged_text, remove_repeated_texts};
 use self::flights::Flights;
 pub use self::flights::{Flight, Overview, Refusal, Refused, refused_modes, reported_modes};
 use self::requirements::Requirements;

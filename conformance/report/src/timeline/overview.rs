@@ -7,11 +7,8 @@ use super::{clock, duration};
 
 /// The sentences of an overview, in chronological order.
 pub(super) fn sentences(overview: &Overview, language: &str) -> Vec<String> {
-    let refusals = overview
-        .refusals
-        .iter()
-        .filter(|refusal| refusal.is_selected)
-        .map(|refusal| (refusal.from_us, self::refusal(refusal, language)));
+    let refusals = joined(overview.refusals.iter().filter(|refusal| refusal.is_selected));
+    let refusals = refusals.iter().map(|refusal| (refusal.from_us, self::refusal(refusal, language)));
     let flights = overview.flights.iter().map(|flight| (start(flight), self::flight(flight, language)));
     let mut sentences: Vec<(i64, String)> = refusals.chain(flights).collect();
     sentences.sort_by_key(|(time, _)| *time);
@@ -47,15 +44,38 @@ impl WhyNotArm {
         if refusals.is_empty() {
             return "No health and arming report says that the vehicle couldn't arm.\n".to_owned();
         }
-        refusals.into_iter().map(|found| refusal(found, language) + "\n").collect()
+        joined(refusals.into_iter()).iter().map(|found| refusal(found, language) + "\n").collect()
     }
+}
+
+/// Joins refusals of the same mode that follow one another. The result has the reasons of all of them.
+fn joined<'o>(refusals: impl Iterator<Item = &'o Refusal>) -> Vec<Refusal> {
+    let mut joined: Vec<Refusal> = Vec::new();
+    for refusal in refusals {
+        let before = joined.iter_mut().rev().find(|before| before.mode == refusal.mode);
+        let Some(before) = before.filter(|before| before.until_us == Some(refusal.from_us)) else {
+            joined.push(refusal.clone());
+            continue;
+        };
+        before.until_us = refusal.until_us;
+        for (known, new) in [(&mut before.reasons, &refusal.reasons), (&mut before.general, &refusal.general)]
+        {
+            known.extend(new.iter().filter(|part| !known.contains(part)).cloned().collect::<Vec<_>>());
+        }
+    }
+    joined
 }
 
 fn refusal(refusal: &Refusal, language: &str) -> String {
     let from = if refusal.from_us > 0 { format!(" from {}", clock(refusal.from_us)) } else { String::new() };
     let until = refusal.until_us.map_or_else(|| "the end".to_owned(), clock);
-    let reasons: Vec<String> = refusal.reasons.iter().map(|reason| label(reason, language)).collect();
-    let reasons = if reasons.is_empty() { "no reason is recorded".to_owned() } else { reasons.join("; ") };
+    let text = |parts: &[Part]| parts.iter().map(|part| label(part, language)).collect::<Vec<_>>().join("; ");
+    let reasons = match (&refusal.reasons[..], &refusal.general[..]) {
+        ([], []) => "no reason is recorded".to_owned(),
+        ([], general) => text(general),
+        (reasons, []) => text(reasons),
+        (reasons, general) => format!("{}. Reported for all modes: {}", text(reasons), text(general)),
+    };
     format!("Couldn't arm in {}{from} until {until}: {reasons}.", label(&refusal.mode, language))
 }
 

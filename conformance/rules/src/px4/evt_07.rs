@@ -17,8 +17,8 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
     why: "Without an event, the operator sees that the vehicle can't arm, but not why.",
     example: "commander_arming_check_summary: error \"GPS\", can_arm nothing\n\
               commander_health_summary                (no event about the GPS)",
-    fix: "Send an event wherever the code sets an error bit or clears a `can_arm` bit. PX4 also drops events if the buffer of a \
-          report is full.",
+    fix: "Send an event wherever the code sets an error bit or clears a `can_arm` bit. PX4 also drops \
+          events if the buffer of a report is full.",
 })
 .check(Check::State(|| Box::new(Follow::new(reasons))))
 .mutants(&[

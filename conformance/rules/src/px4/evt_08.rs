@@ -1,7 +1,7 @@
 //! `PX-EVT-08`.
 
 use uavspec_dynamic::DynamicView;
-use uavspec_px4::event::RawEvent;
+use uavspec_px4::event::{ARMED, ARMING_EVENTS, RawEvent};
 
 use super::evt::{events, is_event};
 use super::ext::number;
@@ -32,18 +32,9 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
     }),
 ]);
 
-/// The events about arming and disarming, each with the field of `vehicle_status` that states the reason.
-const CHANGES: [(&str, &str); 2] =
-    [("commander_armed_by", "latest_arming_reason"), ("commander_disarmed_by", "latest_disarming_reason")];
-
-/// `arming_state` of an armed vehicle, in all releases.
-const ARMED: u8 = 2;
-
 /// The facts that the first instances of both topics state.
 #[derive(Default)]
 struct Changes {
-    /// The latest state, with its time in µs.
-    status: Option<(u64, State)>,
     /// The latest event that no state has followed yet, with its time in µs.
     event: Option<(u64, Event)>,
 }
@@ -57,7 +48,7 @@ struct State {
 
 #[derive(Clone)]
 struct Event {
-    /// The index in [`CHANGES`].
+    /// The index in [`ARMING_EVENTS`].
     change: usize,
     reason: u8,
     topic: String,
@@ -74,16 +65,12 @@ impl Checker for Changes {
         let (Some(values), Some(time)) = (message.values, message.timestamp) else { return };
         if channel.topic == STATUS {
             let Some(armed) = number::<u8>(values, "arming_state") else { return };
-            let reasons = CHANGES.map(|(_, field)| number(values, field));
-            self.status = Some((time, State { is_armed: armed == ARMED, reasons }));
+            let reasons = ARMING_EVENTS.map(|(_, field)| number(values, field));
+            if let Some((_, event)) = self.event.take_if(|(sent, _)| *sent <= time) {
+                State { is_armed: armed == ARMED, reasons }.judge(&event, context);
+            }
         } else if let Some(event) = change(channel, values, message.location, context) {
             self.event = Some((time, event));
-        }
-        let (Some((stated, status)), Some((sent, _))) = (&self.status, &self.event) else { return };
-        if stated >= sent
-            && let Some((_, event)) = self.event.take()
-        {
-            status.judge(&event, context);
         }
     }
 
@@ -107,7 +94,7 @@ fn change(
     context: &RuleContext<'_>,
 ) -> Option<Event> {
     let event = RawEvent::read(values)?.decode(events(context)?).ok()?;
-    let change = CHANGES.iter().position(|(name, _)| event.event.name == *name)?;
+    let change = ARMING_EVENTS.iter().position(|(name, _)| event.event.name == *name)?;
     let reason = event.values.first()?.integer()?.try_into().ok()?;
     Some(Event { change, reason, topic: channel.full_topic.to_owned(), location })
 }
@@ -115,7 +102,7 @@ fn change(
 impl State {
     fn judge(self, event: &Event, context: &mut RuleContext<'_>) {
         context.covered();
-        let (name, field) = CHANGES[event.change];
+        let (name, field) = ARMING_EVENTS[event.change];
         let arms = event.change == 0;
         let stated = self.reasons[event.change];
         let detail = if self.is_armed != arms {

@@ -170,7 +170,7 @@ fn failed(labels: &Labels, problem: &str) -> Status {
 fn print_once(args: &WatchArgs, playback: &Playback, labels: &Labels) -> Exit {
     let question = &args.vehicle;
     let mode = question.mode.as_deref();
-    let (text, modes, is_empty) = playback.show(|shown| {
+    let (text, modes, is_empty, ambiguous) = playback.show(|shown| {
         let scene = Scene {
             shown,
             source: &labels.source,
@@ -179,8 +179,12 @@ fn print_once(args: &WatchArgs, playback: &Playback, labels: &Labels) -> Exit {
             now: Clock::real().now(),
         };
         let text = if question.why_not_arm { why_not_arm(&scene, mode) } else { Some(text(&scene)) };
-        (text, shown.vehicle.modes(), !shown.vehicle.has_state())
+        (text, shown.vehicle.modes(), !shown.vehicle.has_state(), shown.vehicle.ambiguous)
     });
+    if let Some(topic) = ambiguous.filter(|_| question.why_not_arm) {
+        let problem = format!("several vehicles publish `{topic}`, and their reports can't be told apart");
+        return Err(failed(labels, &problem));
+    }
     let Some(text) = text else {
         return Err(failed(labels, "no health and arming report was received on the topic `event`"));
     };

@@ -1,11 +1,12 @@
 //! Events: what PX4 says, and the health and arming reports that events make up.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use uavspec_dynamic::DynamicView;
 use uavspec_dynamic::event::DecodedEvent;
 use uavspec_px4::checks::{Component, ModeGroup, Problem, Reports, Step};
-use uavspec_px4::event::{EventMetadata, EventOrigin, RawEvent};
+use uavspec_px4::event::{EventMetadata, RawEvent};
 use uavspec_runtime::event::LogLevel;
 
 use super::flights::{Flights, refused_modes};
@@ -19,6 +20,12 @@ pub(super) const TOPIC: &str = "event";
 
 /// The name of the lane with the texts of a log.
 const TEXTS: &str = "logging";
+
+/// The mark at the end of a text that an event repeats. PX4 doesn't record all of these events.
+const REPEATED: &str = "\t";
+
+/// The maximum time between a text and the event that repeats it, in µs.
+const NEAR: u64 = 2_000_000;
 
 /// The groups of the lanes of reports.
 const MODES: &str = "Arming";
@@ -36,11 +43,18 @@ pub struct SentEvent {
     pub event: RawEvent,
 }
 
-/// Follows the events of a channel.
+/// Follows the events of all channels.
 #[derive(Default)]
 pub(in crate::timeline) struct Events {
     /// The first events, each with its time and its subject.
     listed: Vec<(u64, Arc<str>, RawEvent)>,
+    /// The reports of each subject.
+    followed: BTreeMap<Arc<str>, Followed>,
+}
+
+/// The reports of a subject.
+#[derive(Default)]
+struct Followed {
     reports: Reports,
     /// The problems of the latest report, each with its lane.
     problems: Vec<(Problem, usize)>,
@@ -61,9 +75,15 @@ impl Events {
             self.listed.push((context.time, Arc::clone(subject), raw));
         }
         let decoded = raw.decode(context.metadata.events()).ok();
-        let step = self.reports.follow(&raw, decoded.as_ref());
+        let followed = self.followed.entry(Arc::clone(subject)).or_default();
+        let step = followed.reports.follow(&raw, decoded.as_ref());
         if step == Step::Complete {
-            self.report(flights, context);
+            followed.report(subject, context);
+            flights.reporter(subject);
+            if let Some(report) = followed.reports.latest() {
+                let refused = refused_modes(report, context.metadata, context.texts);
+                flights.report(report, refused, context.time);
+            }
         }
         if let Some(event) = &decoded {
             flights.event(event, context.time);
@@ -87,22 +107,21 @@ impl Events {
         };
         self.listed.into_iter().map(event).collect()
     }
+}
 
+impl Followed {
     /// Records a complete report.
-    fn report(&mut self, flights: &mut Flights, context: &mut Context<'_>) {
+    fn report(&mut self, subject: &str, context: &mut Context<'_>) {
         let Some(report) = self.reports.latest() else { return };
         for (rank, mode) in report.modes.values().enumerate() {
-            set(context, (MODES, &mode.name, &mode.description), 1 + rank, state_of_mode(mode));
+            let names = [subject, MODES, &mode.name, &mode.description];
+            set(context, names, 1 + rank, state_of_mode(mode));
         }
         // Bit 0 means that a problem concerns no component.
         for (bit, component) in report.components.iter().filter(|(bit, _)| **bit != 0) {
             let rank = 100 + *bit as usize;
-            set(
-                context,
-                (COMPONENTS, &component.name, &component.description),
-                rank,
-                state_of_component(component),
-            );
+            let names = [subject, COMPONENTS, &component.name, &component.description];
+            set(context, names, rank, state_of_component(component));
         }
         let before = std::mem::take(&mut self.problems);
         for problem in &report.problems {
@@ -110,12 +129,11 @@ impl Events {
                 continue;
             }
             let lane = before.iter().find(|(known, _)| known == problem).map(|(_, lane)| *lane);
-            if let Some(lane) = lane.or_else(|| lane_of(problem, context)) {
+            if let Some(lane) = lane.or_else(|| lane_of(problem, subject, context)) {
                 context.lanes.set_flag(lane, context.time, true);
                 self.problems.push((problem.clone(), lane));
             }
         }
-        flights.report(report, refused_modes(report, context.metadata, context.texts), context.time);
         for (_, lane) in before {
             if self.problems.iter().all(|(_, current)| *current != lane) {
                 context.lanes.set_flag(lane, context.time, false);
@@ -125,18 +143,10 @@ impl Events {
 }
 
 /// Records a line of text in a log, without its colours.
-pub(in crate::timeline) fn logged_text(
-    level: u8,
-    text: &str,
-    time: u64,
-    metadata: &EventMetadata,
-    lanes: &mut Lanes,
-) {
-    // PX4 marks a text that an event repeats with a tab at its end.
-    if text.ends_with('\t') && metadata.origin == EventOrigin::Capture {
-        return;
-    }
-    let text = strip_ansi_escapes::strip_str(text);
+pub(in crate::timeline) fn logged_text(level: u8, text: &str, time: u64, lanes: &mut Lanes) {
+    // Tabs are control characters too.
+    let tab = text.strip_suffix(REPEATED).map_or("", |_| REPEATED);
+    let text = strip_ansi_escapes::strip_str(text) + tab;
     let rank = rank_of(TOPIC) + RANKS / 2;
     let lane = lanes.get((TEXTS, "", TEXTS), || Lane { rank, ..Lane::new(TEXTS, TEXTS, LaneKind::Event) });
     if let Some(lane) = lane {
@@ -146,15 +156,47 @@ pub(in crate::timeline) fn logged_text(
     }
 }
 
+/// Removes the texts that an event repeats.
+pub(in crate::timeline) fn remove_repeated_texts(lanes: &mut Vec<Lane>) {
+    let mut messages: BTreeMap<String, Vec<i64>> = BTreeMap::new();
+    for lane in lanes.iter().filter(|lane| lane.topic == TOPIC && lane.kind == LaneKind::Event) {
+        for change in &lane.changes {
+            let part = lane.values.get(change.value).and_then(|value| value.parts.first());
+            let message = part.map(|part| part.label.as_ref().map_or(&*part.name, |label| &label.text));
+            messages.entry(words(message.unwrap_or_default())).or_default().push(change.time_us);
+        }
+    }
+    let Some(texts) = lanes.iter_mut().find(|lane| lane.topic == TEXTS) else { return };
+    let is_repeated = |text: &str, time: i64| {
+        let times = messages.get(&words(text)).filter(|_| text.ends_with(REPEATED));
+        times.is_some_and(|times| times.iter().any(|other| other.abs_diff(time) <= NEAR))
+    };
+    let values = &texts.values;
+    let text =
+        |value: usize| values.get(value).and_then(|value| value.parts.first()).map_or("", |part| &*part.name);
+    texts.changes.retain(|change| !is_repeated(text(change.value), change.time_us));
+    for part in texts.values.iter_mut().flat_map(|value| &mut value.parts) {
+        part.name.truncate(part.name.trim_end_matches(REPEATED).len());
+    }
+    lanes.retain(|lane| lane.topic != TEXTS || !lane.changes.is_empty());
+}
+
+/// The words of a message, without the module before it. Texts and events differ in punctuation and case.
+fn words(text: &str) -> String {
+    let text = text.strip_prefix('[').and_then(|text| text.split_once(']')).map_or(text, |(_, text)| text);
+    let words = text.split(|character: char| !character.is_alphanumeric()).filter(|word| !word.is_empty());
+    words.map(str::to_lowercase).collect::<Vec<_>>().join(" ")
+}
+
 /// Sets the value of a mode or a component.
 fn set(
     context: &mut Context<'_>,
-    (group, name, description): (&str, &str, &str),
+    [subject, group, name, description]: [&str; 4],
     rank: usize,
     (state, severity): (&str, Severity),
 ) {
     let name = format!("{}.{name}", group.to_lowercase());
-    let lane = context.lanes.get((TOPIC, "", &name), || Lane {
+    let lane = context.lanes.get((TOPIC, subject, &name), || Lane {
         label: Label::plain(description),
         group: Label::plain(group),
         rank: rank_of(TOPIC) + rank,
@@ -184,11 +226,12 @@ fn state_of_component(component: &Component) -> (&'static str, Severity) {
 }
 
 /// The lane of a problem.
-fn lane_of(problem: &Problem, context: &mut Context<'_>) -> Option<usize> {
+fn lane_of(problem: &Problem, subject: &str, context: &mut Context<'_>) -> Option<usize> {
     let Part { name, label } = part_of(problem, context.metadata, context.texts)?;
-    // The same event with other arguments is another problem.
-    let key = format!("{name} {}", label.as_ref().map_or("", |label| &label.text));
-    let lane = context.lanes.get((TOPIC, "", &key), || Lane {
+    // The same event about another part, such as a battery, is another problem. Measured values vary.
+    let parts: Vec<i128> = problem.values.iter().filter_map(|value| value.integer()).collect();
+    let key = format!("{name} {parts:?}");
+    let lane = context.lanes.get((TOPIC, subject, &key), || Lane {
         label,
         group: Label::plain(PROBLEMS),
         rank: rank_of(TOPIC) + 200,

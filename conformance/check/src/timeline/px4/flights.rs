@@ -1,29 +1,23 @@
 //! The summary for a pilot: why the vehicle couldn't arm, when it flew, and why it disarmed.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use schemars::JsonSchema;
 use serde::Serialize;
 use uavspec_dynamic::DynamicView;
 use uavspec_dynamic::event::DecodedEvent;
 use uavspec_model::Channel;
-use uavspec_px4::checks::{ModeGroup, Problem, Report};
-use uavspec_px4::event::EventMetadata;
+use uavspec_px4::checks::{ModeGroup, Report};
+use uavspec_px4::event::{ARMED, ARMING_EVENTS, EventMetadata};
 
 use super::events::part_of;
 use super::number;
-use crate::limits::{MAX_FLIGHTS, MAX_REASONS, MAX_REFUSALS};
+use crate::limits::{MAX_FLIGHTS, MAX_REFUSALS};
 use crate::timeline::label::{Label, Texts};
 use crate::timeline::lane::Part;
 
-/// `vehicle_status.arming_state` of an armed vehicle, in all releases.
-const ARMED: i128 = 2;
-
-/// The events that say who armed or disarmed the vehicle, with the argument that names the reason.
-const ARMED_BY: &str = "commander_armed_by";
-const DISARMED_BY: &str = "commander_disarmed_by";
-
-/// The time within which such an event belongs to a change of the state, in µs.
+/// The time within which an event about arming belongs to a change of the state, in µs.
 const NEAR: u64 = 2_000_000;
 
 /// The summary for a pilot.
@@ -37,7 +31,7 @@ pub struct Overview {
     pub flights: Vec<Flight>,
 }
 
-/// A time at which the vehicle couldn't arm in a mode.
+/// A time at which the vehicle couldn't arm in a mode for the same reasons.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Refusal {
     /// The mode.
@@ -48,8 +42,11 @@ pub struct Refusal {
     pub from_us: i64,
     /// The time at which it ended. `None` if it lasted until the end of the capture.
     pub until_us: Option<i64>,
-    /// The reasons, in the order in which they were first reported.
+    /// The reasons.
     pub reasons: Vec<Part>,
+    /// The problems that PX4 reports for all modes. They may be reasons too: PX4 also marks problems that prevent nothing
+    /// in this way.
+    pub general: Vec<Part>,
 }
 
 /// A time at which the vehicle was armed. Times are in µs since the start of the capture.
@@ -76,10 +73,14 @@ pub(in crate::timeline) struct Flights {
     /// The channel of the state. With a second one, there are several vehicles, which can't be distinguished.
     channel: Option<usize>,
     is_ambiguous: bool,
+    /// The subject of the reports.
+    reporter: Option<Arc<str>>,
     is_armed: Option<bool>,
     is_landed: Option<bool>,
     mode: Option<i128>,
-    /// The modes in which the vehicle can't arm now: the index in the refusals, by bit.
+    /// The modes in which the vehicle can't arm, according to the latest report.
+    refused: Vec<Refused>,
+    /// The refusals that last: the index of each one, by bit.
     open: BTreeMap<u32, usize>,
     /// The latest events about arming and disarming, each with its time.
     reasons: [Option<(u64, Part)>; 2],
@@ -94,6 +95,8 @@ pub struct Refused {
     pub mode: Part,
     /// The reasons.
     pub reasons: Vec<Part>,
+    /// The problems of all modes.
+    pub general: Vec<Part>,
 }
 
 /// A time for an [`Overview`], which is later made relative to the start.
@@ -113,30 +116,37 @@ impl Flights {
         self.is_ambiguous |= self.channel.is_some_and(|known| known != channel.index);
         self.channel = Some(channel.index);
         self.mode = number(values, "nav_state").or(self.mode);
-        let Some(is_armed) = number(values, "arming_state").map(|state| state == ARMED) else { return };
+        // PX4 doesn't send a report when the mode changes.
+        let open = self.selected().and_then(|mode| self.open.get(&mode));
+        if let Some(open) = open.and_then(|index| self.overview.refusals.get_mut(*index)) {
+            open.is_selected = true;
+        }
+        let Some(is_armed) = number(values, "arming_state").map(|state| state == i128::from(ARMED)) else {
+            return;
+        };
         let was_armed = self.is_armed.replace(is_armed);
         if was_armed == Some(is_armed) {
             return;
         }
         if is_armed {
-            self.end_refusals(time, |_| true);
+            self.end_refusals(time, |_, _| true);
             let flight = Flight {
                 armed_us: was_armed.map(|_| instant(time)),
-                armed_by: was_armed
-                    .and_then(|_| self.reason(0, time).or_else(|| stated("latest_arming_reason"))),
+                armed_by: was_armed.and_then(|_| self.reason(0, time).or_else(|| stated(ARMING_EVENTS[0].1))),
                 ..Flight::default()
             };
             if self.overview.flights.len() < MAX_FLIGHTS {
                 self.overview.flights.push(flight);
             }
         } else if was_armed.is_some() {
-            let reason = self.reason(1, time).or_else(|| stated("latest_disarming_reason"));
+            let reason = self.reason(1, time).or_else(|| stated(ARMING_EVENTS[1].1));
             // Without room for another flight, the last one has already ended.
             let open = self.overview.flights.last_mut().filter(|flight| flight.disarmed_us.is_none());
             if let Some(flight) = open {
                 flight.disarmed_us = Some(instant(time));
                 flight.disarmed_by = reason;
             }
+            self.refuse(time);
         }
     }
 
@@ -154,11 +164,8 @@ impl Flights {
 
     /// Takes the reason for arming or disarming from an event.
     pub(super) fn event(&mut self, event: &DecodedEvent<'_>, time: u64) {
-        let which = match event.event.name.as_str() {
-            ARMED_BY => 0,
-            DISARMED_BY => 1,
-            _ => return,
-        };
+        let which = ARMING_EVENTS.iter().position(|(name, _)| event.event.name == *name);
+        let Some(which) = which else { return };
         let Some(reason) = event.argument(0).map(|reason| reason.to_string()) else { return };
         let part = Part::new(event.event.name.clone(), Label::plain(&reason));
         // The event may follow the state that it explains.
@@ -173,9 +180,20 @@ impl Flights {
         self.reasons[which] = Some((time, part));
     }
 
-    fn reason(&self, which: usize, time: u64) -> Option<Part> {
-        let found = self.reasons[which].as_ref().filter(|(at, _)| time.abs_diff(*at) <= NEAR);
-        found.map(|(_, part)| part.clone())
+    /// The number of the current mode.
+    fn selected(&self) -> Option<u32> {
+        self.mode.and_then(|mode| u32::try_from(mode).ok())
+    }
+
+    /// The reason in an event nearby, which explains only one change.
+    fn reason(&mut self, which: usize, time: u64) -> Option<Part> {
+        self.reasons[which].take().filter(|(at, _)| time.abs_diff(*at) <= NEAR).map(|(_, part)| part)
+    }
+
+    /// Takes the subject of a report. With a second one, there are several vehicles.
+    pub(super) fn reporter(&mut self, subject: &Arc<str>) {
+        self.is_ambiguous |= self.reporter.as_ref().is_some_and(|known| known != subject);
+        self.reporter = Some(Arc::clone(subject));
     }
 
     /// Takes the reasons against arming from a report.
@@ -183,37 +201,49 @@ impl Flights {
         if self.overview.modes.is_empty() {
             self.overview.modes = reported_modes(report);
         }
-        self.end_refusals(time, |bit| refused.iter().all(|refused| refused.number != bit));
-        if self.is_armed == Some(true) {
-            return;
-        }
-        let selected = self.mode.and_then(|mode| u32::try_from(mode).ok());
-        for Refused { number, mode, reasons } in refused {
-            let refusals = &mut self.overview.refusals;
-            let index = *self.open.entry(number).or_insert(refusals.len());
-            if index == refusals.len() && index < MAX_REFUSALS {
-                let (from_us, reasons) = (instant(time), Vec::new());
-                refusals.push(Refusal { mode, is_selected: false, from_us, until_us: None, reasons });
-            }
-            let Some(open) = refusals.get_mut(index) else { continue };
-            open.is_selected |= selected == Some(number);
-            for part in reasons {
-                if open.reasons.len() < MAX_REASONS && !open.reasons.contains(&part) {
-                    open.reasons.push(part);
-                }
-            }
+        self.refused = refused;
+        if self.is_armed != Some(true) {
+            self.refuse(time);
         }
     }
 
-    /// Ends the refusals of some modes.
-    fn end_refusals(&mut self, time: u64, is_over: impl Fn(u32) -> bool) {
+    /// Ends the refusals that no longer last or whose reasons have changed, and starts new ones.
+    fn refuse(&mut self, time: u64) {
+        let refused = std::mem::take(&mut self.refused);
+        let names = |parts: &[Part]| parts.iter().map(|part| part.name.clone()).collect::<Vec<_>>();
+        let goes_on = |bit: u32, open: &Refusal| {
+            refused.iter().any(|new| {
+                new.number == bit
+                    && names(&new.reasons) == names(&open.reasons)
+                    && names(&new.general) == names(&open.general)
+            })
+        };
+        self.end_refusals(time, |bit, open| !goes_on(bit, open));
+        let selected = self.selected();
+        for Refused { number, mode, reasons, general } in &refused {
+            let refusals = &mut self.overview.refusals;
+            if self.open.contains_key(number) || refusals.len() == MAX_REFUSALS {
+                continue;
+            }
+            self.open.insert(*number, refusals.len());
+            refusals.push(Refusal {
+                mode: mode.clone(),
+                is_selected: selected == Some(*number),
+                from_us: instant(time),
+                until_us: None,
+                reasons: reasons.clone(),
+                general: general.clone(),
+            });
+        }
+        self.refused = refused;
+    }
+
+    /// Ends some refusals.
+    fn end_refusals(&mut self, time: u64, is_over: impl Fn(u32, &Refusal) -> bool) {
         let refusals = &mut self.overview.refusals;
         self.open.retain(|bit, index| {
-            let is_over = is_over(*bit);
-            if is_over && let Some(open) = refusals.get_mut(*index) {
-                open.until_us = Some(instant(time));
-            }
-            !is_over
+            let open = refusals.get_mut(*index).filter(|open| is_over(*bit, open));
+            open.map(|open| open.until_us = Some(instant(time))).is_none()
         });
     }
 
@@ -245,16 +275,21 @@ pub fn reported_modes(report: &Report) -> Vec<Part> {
     report.modes.values().map(part).collect()
 }
 
-/// The modes in which the vehicle can't arm. PX4 reports a problem that prevents nothing for all modes, so such problems
-/// are reasons only if there are no others.
+/// The modes in which the vehicle can't arm. If the vehicle can arm in another mode, the problems of all modes prevent
+/// nothing.
 pub fn refused_modes(report: &Report, metadata: &EventMetadata, texts: &Texts) -> Vec<Refused> {
+    let can_arm = report.modes.values().any(|mode| mode.can_arm);
+    let problems = report.problems.iter().filter_map(|problem| {
+        let is_general = problem.modes >= u64::from(u32::MAX);
+        Some((problem.modes, is_general, part_of(problem, metadata, texts)?))
+    });
+    let (general, specific): (Vec<_>, Vec<_>) = problems.partition(|(_, is_general, _)| *is_general);
+    let general: Vec<Part> = general.into_iter().map(|(_, _, part)| part).collect();
     let refused = report.modes.iter().filter(|(_, mode)| !mode.can_arm).map(|(bit, mode)| {
-        let problems = || report.problems.iter().filter(|problem| problem.modes & 1 << bit != 0);
-        let is_general = |problem: &Problem| problem.modes >= u64::from(u32::MAX);
-        let has_specific = problems().any(|problem| !is_general(problem));
-        let reasons = problems().filter(|problem| !has_specific || !is_general(problem));
-        let reasons = reasons.filter_map(|problem| part_of(problem, metadata, texts)).collect();
-        Refused { number: *bit, mode: part(mode), reasons }
+        let of_mode = specific.iter().filter(|(modes, _, _)| modes & 1 << bit != 0);
+        let reasons: Vec<Part> = of_mode.map(|(_, _, part)| part.clone()).collect();
+        let general = if can_arm && !reasons.is_empty() { Vec::new() } else { general.clone() };
+        Refused { number: *bit, mode: part(mode), reasons, general }
     });
     refused.collect()
 }
@@ -265,7 +300,7 @@ mod tests {
     use uavspec_dynamic::Types;
     use uavspec_dynamic::event::{EventValue, Events};
     use uavspec_model::Location;
-    use uavspec_px4::checks::ModeGroup;
+    use uavspec_px4::checks::{ModeGroup, Problem};
     use uavspec_schema::msg::Dialect;
     use uavspec_schema::translation::Translations;
     use uavspec_schema::{Form, PackageInput, SourceMap, read};
@@ -278,7 +313,9 @@ mod tests {
     const START: u64 = 10 * SECOND;
 
     const DISARMED: u8 = 1;
-    const ARMED: u8 = 2;
+
+    const ARMED_BY: &str = ARMING_EVENTS[0].0;
+    const DISARMED_BY: &str = ARMING_EVENTS[1].0;
 
     /// The bits of two modes.
     const MANUAL: u32 = 0;
@@ -397,7 +434,7 @@ mod tests {
 
     fn refusals(overview: &Overview) -> Vec<Row<'_>> {
         let mut all = Vec::new();
-        for Refusal { mode, is_selected, from_us, until_us, reasons } in &overview.refusals {
+        for Refusal { mode, is_selected, from_us, until_us, reasons, .. } in &overview.refusals {
             let reasons = reasons.iter().filter_map(|part| part.name.strip_prefix("common::")).collect();
             all.push((&*mode.name, seconds(Some(*from_us)), seconds(*until_us), *is_selected, reasons));
         }
@@ -476,7 +513,8 @@ mod tests {
         let overview = vehicle.finish();
         let expected = [
             ("mode0", Some(1), Some(2), false, vec!["low"]),
-            ("mode3", Some(1), Some(4), true, vec!["no_fix", "low", "no_home"]),
+            ("mode3", Some(1), Some(2), true, vec!["no_fix", "low"]),
+            ("mode3", Some(2), Some(4), true, vec!["no_fix", "no_home"]),
             ("mode0", Some(5), None, false, vec!["low"]),
         ];
         assert_eq!(refusals(&overview), expected);
@@ -496,17 +534,58 @@ mod tests {
     }
 
     #[test]
-    fn a_problem_of_all_modes_is_a_reason_only_without_others() {
+    fn problems_of_all_modes_are_separate() {
         let all = u64::from(u32::MAX);
-        for (problems, expected) in
-            [(vec![("warning", all), ("no_fix", 1 << AUTO)], "no_fix"), (vec![("warning", all)], "warning")]
-        {
+        let both = vec![("kill_switch", all), ("no_fix", 1 << AUTO)];
+        for (refused, problems, expected, general) in [
+            (vec![MANUAL, AUTO], both.clone(), vec!["no_fix"], vec!["kill_switch"]),
+            // The vehicle can arm in another mode.
+            (vec![AUTO], both, vec!["no_fix"], vec![]),
+            (vec![AUTO], vec![("kill_switch", all)], vec![], vec!["kill_switch"]),
+        ] {
             let mut vehicle = Vehicle::new();
             vehicle.status(0, DISARMED, MANUAL);
-            vehicle.report(1, &[AUTO], &problems);
+            vehicle.report(1, &refused, &problems);
             let overview = vehicle.finish();
-            assert_eq!(refusals(&overview)[0].4, [expected]);
+            let last = overview.refusals.last().expect("a refusal");
+            let names = |parts: &[Part]| parts.iter().map(|part| part.name.clone()).collect::<Vec<_>>();
+            let full =
+                |names: Vec<&str>| names.iter().map(|name| format!("common::{name}")).collect::<Vec<_>>();
+            assert_eq!((names(&last.reasons), names(&last.general)), (full(expected), full(general)));
         }
+    }
+
+    #[test]
+    fn a_mode_that_is_selected_after_the_report_is_explained() {
+        let mut vehicle = Vehicle::new();
+        vehicle.status(1, DISARMED, MANUAL);
+        vehicle.report(2, &[AUTO], &[("no_mission", 1 << AUTO)]);
+        vehicle.status(3, DISARMED, AUTO);
+        assert_eq!(refusals(&vehicle.finish()), [("mode3", Some(2), None, true, vec!["no_mission"])]);
+    }
+
+    #[test]
+    fn a_refusal_reported_in_flight_lasts_after_it() {
+        let mut vehicle = Vehicle::new();
+        vehicle.status(1, DISARMED, AUTO);
+        vehicle.status(2, ARMED, AUTO);
+        vehicle.report(5, &[AUTO], &[("no_fix", 1 << AUTO)]);
+        vehicle.status(9, DISARMED, AUTO);
+        assert_eq!(refusals(&vehicle.finish()), [("mode3", Some(9), None, true, vec!["no_fix"])]);
+    }
+
+    #[test]
+    fn an_event_explains_one_change() {
+        let mut vehicle = Vehicle::new();
+        vehicle.status(1, DISARMED, MANUAL);
+        vehicle.event(2, ARMED_BY);
+        for (second, state) in [(2, ARMED), (3, DISARMED), (4, ARMED)] {
+            vehicle.status(second, state, MANUAL);
+        }
+        let overview = vehicle.finish();
+        let reasons: Vec<&str> =
+            overview.flights.iter().map(|flight| text(flight.armed_by.as_ref())).collect();
+        assert_eq!(reasons, ["Stick", "latest_arming_reason"]);
     }
 
     #[test]

@@ -309,7 +309,7 @@ fn live_vehicles_are_shown_and_reconnected() {
         playback.show(|shown| {
             assert_eq!(set(shown.vehicle).len(), 4);
             let refused = shown.vehicle.refused.as_deref().expect("a report");
-            let reasons = refused.iter().flat_map(|refused| &refused.reasons);
+            let reasons = refused.iter().flat_map(|refused| refused.reasons.iter().chain(&refused.general));
             let names: BTreeSet<&str> = reasons.map(|reason| reason.name.as_str()).collect();
             assert_eq!(names, BTreeSet::from(["px4::check_modes_global_pos"]));
             assert!(age(shown.vehicle.latest.expect("a message"), shown.now) < Duration::from_secs(60));

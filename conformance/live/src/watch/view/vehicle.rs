@@ -108,11 +108,13 @@ pub fn why_not_arm(scene: &Scene<'_>, mode: Option<&str>) -> Option<String> {
     let refused = scene.shown.vehicle.refused.as_deref()?;
     let is_asked = |refused: &&Refused| mode.is_none_or(|mode| refused.mode.is_named(mode));
     let texts = sections::refused_texts(scene, refused.iter().filter(is_asked));
-    Some(match (&texts[..], mode) {
-        ([], None) => "The vehicle can arm in all modes.\n".to_owned(),
-        ([], Some(mode)) => format!("The vehicle can arm in {}.\n", shown(mode)),
-        _ => texts.join("\n") + "\n",
-    })
+    let answer = match (&texts[..], mode) {
+        ([], None) => "The vehicle can arm in all modes.".to_owned(),
+        ([], Some(mode)) => format!("The vehicle can arm in {}.", shown(mode)),
+        _ => texts.join("\n"),
+    };
+    let origin = scene.shown.vehicle.metadata.origin.to_string();
+    Some(format!("{answer}\nEvents explained by {}.\n", shown(&origin)))
 }
 
 #[cfg(test)]

@@ -120,17 +120,24 @@ pub(super) fn refused_texts<'r>(
 ) -> Vec<String> {
     let mut refused: Vec<&Refused> = refused.collect();
     refused.sort_by_key(|refused| scene.shown.vehicle.status.mode != Some(refused.number.into()));
-    let mut groups: Vec<(&[Part], Vec<String>)> = Vec::new();
-    for Refused { mode, reasons, .. } in refused {
-        let name = part_text(scene, mode);
-        match groups.iter_mut().find(|(known, _)| known == reasons) {
+    let mut groups: Vec<(&Refused, Vec<String>)> = Vec::new();
+    for found in refused {
+        let name = part_text(scene, &found.mode);
+        let is_same = |known: &Refused| known.reasons == found.reasons && known.general == found.general;
+        match groups.iter_mut().find(|(known, _)| is_same(known)) {
             Some((_, names)) => names.push(name),
-            None => groups.push((reasons, vec![name])),
+            None => groups.push((found, vec![name])),
         }
     }
-    let text = |(reasons, names): &(&[Part], Vec<String>)| {
-        let reasons: Vec<String> = reasons.iter().map(|reason| part_text(scene, reason)).collect();
-        let reasons = if reasons.is_empty() { "no reason given".to_owned() } else { reasons.join("; ") };
+    let texts =
+        |parts: &[Part]| parts.iter().map(|part| part_text(scene, part)).collect::<Vec<_>>().join("; ");
+    let text = |(Refused { reasons, general, .. }, names): &(&Refused, Vec<String>)| {
+        let reasons = match (&reasons[..], &general[..]) {
+            ([], []) => "no reason given".to_owned(),
+            ([], general) => texts(general),
+            (reasons, []) => texts(reasons),
+            (reasons, general) => format!("{}. Reported for all modes: {}", texts(reasons), texts(general)),
+        };
         format!("{}: {reasons}", names.join(", "))
     };
     groups.iter().map(text).collect()

@@ -89,7 +89,7 @@ fn medium_screens_show_one_column() {
             "Position, Manual, Altitude, Mission, Hold, Return, Acro, Offboard, Stabilized,",
             "Takeoff, Land, Follow Me, Precision Land, Orbit, VTOL Takeoff, External 1,",
             "External 2, External 3, External 4, External 5, External 6, External 7, External",
-            "8: The global position is unknown",
+            "8: No valid global position",
             "q quit  p pause  . step  / filter  ? help  ↑↓ scroll",
         ]
     );
