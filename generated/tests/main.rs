@@ -1,6 +1,5 @@
 //! Integration tests of the generated types. Each file is a module of this program, so the tests link once.
 
-mod readme;
 mod schemas;
 mod specification;
 mod strategies;

@@ -14,6 +14,7 @@ mod import;
 mod interop;
 mod package;
 mod paths;
+mod pictures;
 mod platform;
 mod sbom;
 
@@ -61,6 +62,13 @@ enum Command {
   cargo xtask docs --open        generate, build and open the site
   cargo xtask docs --out public")]
     Docs(docs::Arguments),
+    /// Take the pictures of the README
+    #[command(after_help = "Examples:
+  cargo xtask pictures
+  cargo xtask pictures --check
+
+Requires Chromium. The pages are written by the tests of uavspec-report.")]
+    Pictures(pictures::Arguments),
     /// Build the packages for npm and pip
     Package(package::Arguments),
     /// Build the program for distribution, with archives and packages
@@ -126,6 +134,7 @@ fn main() -> ExitCode {
         Command::Conformance { arguments } => return conformance(arguments),
         Command::Affected(arguments) => affected::run(&arguments),
         Command::Docs(arguments) => docs::run(arguments),
+        Command::Pictures(arguments) => pictures::run(&arguments),
         Command::Package(arguments) => package::run(arguments),
         Command::Dist(arguments) => dist::run(arguments),
         Command::Interop(arguments) => interop::run(&arguments),

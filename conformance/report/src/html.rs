@@ -280,4 +280,4 @@ fn fact(label: &str, value: &str) -> Markup {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

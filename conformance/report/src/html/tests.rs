@@ -5,10 +5,10 @@ use std::path::Path;
 use std::time::Duration;
 
 use serde_json::{Value, json};
-use uavspec_check::check_capture;
+use uavspec_check::{Checked, check_bytes, check_capture};
 use uavspec_probe::RequestType;
-use uavspec_rules::definitions::Definitions;
-use uavspec_rules::sample::Flight;
+use uavspec_rules::definitions::{Definitions, Library};
+use uavspec_rules::sample::story;
 
 use crate::{Action, CheckedCapture, Kind, Report, Settings, Subject, Unreadable};
 
@@ -227,30 +227,27 @@ fn disputed_rules_say_so() {
     assert_order(&markdown, &["### warning: [`FW-ENV-11`]", " SHOULD, disputed\n"]);
 }
 
-/// A flight in which the battery reports its charge in percent, and a component answers an old request.
-fn flight_with_mistakes() -> Vec<u8> {
-    let definitions = Definitions::built_in();
-    let flight = Flight::new(&definitions);
-    let battery = flight.topic("BatteryStatus").expect("a topic");
-    let flight = flight.with_last(battery, |message| message["remaining"] = 87.5.into()).expect("a message");
-    let flight = flight.with_reply(|reply| reply["request_id"] = 7.into()).expect("a reply");
-    flight.log().to_bytes()
-}
-
-#[test]
-fn the_report_on_the_documentation_site_is_up_to_date() {
-    let subject = subject("flight.ulg", &flight_with_mistakes(), Vec::new());
-    let command = "uavspec check --report html=report.html flight.ulg".to_owned();
-    let definitions = Definitions::built_in();
-    let report =
-        Report::new(Action::Check, command, &definitions.name, vec![subject], Vec::new(), Vec::new());
-    let page = report.to_text(Kind::Html);
-    assert_order(&page, &["<h3 id=\"PX-EXT-01\">", "<h3 id=\"PX-RANGE-01\">", "87.5 is outside the range"]);
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../xtask/site/report.html");
+/// Compares a page with the one on the documentation site.
+pub(crate) fn compare_with_site(name: &str, page: &str) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../xtask/site").join(name);
     if std::env::var_os("UAVSPEC_UPDATE_FIXTURES").is_some() {
         fs::write(path, page).expect("a writable file");
         return;
     }
-    let on_site = fs::read_to_string(path).expect("the report on the site");
+    let on_site = fs::read_to_string(path).expect("a page of the site");
     assert!(on_site == page, "run `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-report html`");
+}
+
+#[test]
+fn the_report_on_the_documentation_site_is_up_to_date() {
+    let [(name, log), ..] = story::files().expect("the sample");
+    let Checked { definitions, result } = check_bytes(&log, &Library::built_in()).expect("a log");
+    let checked = CheckedCapture::new(name.to_owned(), result, Duration::ZERO);
+    let subject = Subject::from_capture(checked, &definitions, &Settings::default());
+    let command = format!("uavspec check {name} --report html=report.html");
+    let report =
+        Report::new(Action::Check, command, &definitions.name, vec![subject], Vec::new(), Vec::new());
+    let page = report.to_text(Kind::Html);
+    assert_order(&page, &["<h3 id=\"PX-TIME-01\">", "is earlier than the previous timestamp"]);
+    compare_with_site("report.html", &page);
 }

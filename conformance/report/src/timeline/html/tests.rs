@@ -3,11 +3,14 @@
 use data_encoding::BASE64;
 use serde_json::json;
 use sha2::{Digest as _, Sha256};
+use uavspec_check::check_bytes;
 use uavspec_check::timeline::Texts;
-use uavspec_rules::definitions::Definitions;
+use uavspec_rules::definitions::{Definitions, Library};
+use uavspec_rules::sample::story;
 use uavspec_schema::translation::Translations;
 
 use super::*;
+use crate::html::tests::compare_with_site;
 use crate::timeline::{to_json, to_text};
 
 const HOSTILE: &str = "</script><script>alert(1)</script>\u{1b}[31m\u{202e}\n::error::x";
@@ -116,4 +119,15 @@ fn times_have_minutes_and_milliseconds() {
         assert_eq!(clock(time), text);
     }
     assert_eq!(duration(6_000_000_000), "100:00.000");
+}
+
+#[test]
+fn the_timeline_on_the_documentation_site_is_up_to_date() {
+    let [(name, log), ..] = story::files().expect("the sample");
+    let definitions = check_bytes(&log, &Library::built_in()).expect("a log").definitions;
+    let timeline = Timeline::of_bytes(&log, &definitions, &Texts::of(Translations::default()));
+    let mut timeline = timeline.expect("a timeline");
+    name.clone_into(&mut timeline.capture);
+    let command = format!("uavspec explain {name} --report html=flight.html");
+    compare_with_site("flight.html", &to_html(&timeline, "en", &command));
 }
