@@ -713,18 +713,8 @@ fn probe_prints_its_outcome_and_records_the_session() {
     let (record, report) = (folder.path().join("run.jsonl"), folder.path().join("report.json"));
     let (record, report) = (record.to_str().expect("UTF-8"), report.to_str().expect("UTF-8"));
     let reported = format!("json={report}");
-    let arguments = [
-        "probe",
-        "--observe",
-        "0.1",
-        "--record",
-        record,
-        "--report",
-        &reported,
-        "--require",
-        "FW-TCP-02",
-        &url,
-    ];
+    let arguments =
+        ["probe", "--for", "0.1", "--record", record, "--report", &reported, "--require", "FW-TCP-02", &url];
     let (status, printed, output) = uavspec(&arguments);
     assert_eq!((status, output.as_str()), (Some(1), ""), "{printed}");
     assert!(printed.contains("fail    FW-SYS-VER-02"), "{printed}");

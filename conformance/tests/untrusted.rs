@@ -200,8 +200,8 @@ fn responses_of_a_server_are_harmless() {
     let address = custom_server(|stream| answer_requests(stream, |kind, _| Some(body(kind))));
     let url = format!("tcp://{address}");
     for arguments in [
-        &["probe", "--no-trials", "--observe", "0.2", "--limit", "2", &url][..],
-        &["probe", "--no-trials", "--observe", "0.2", "--limit", "2", "--format", "markdown", &url],
+        &["probe", "--no-trials", "--for", "0.2", "--limit", "2", &url][..],
+        &["probe", "--no-trials", "--for", "0.2", "--limit", "2", "--format", "markdown", &url],
         &["watch", "--once", "--for", "2", &url],
     ] {
         let arguments = strings(arguments);

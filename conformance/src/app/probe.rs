@@ -34,7 +34,7 @@ use super::{Exit, Status, first_given, outcome_statuses, unreadable};
 
 const EXAMPLES: &str = "Examples:
   uavspec probe tcp://localhost:5001
-  uavspec probe --observe 30 --record run.jsonl tcp://192.0.2.7:5001
+  uavspec probe --for 30 --record run.jsonl tcp://192.0.2.7:5001
   uavspec probe --report html=report.html http://localhost:5000/api/v1
   uavspec probe 'socketio://localhost:5000?protocol=4&transport=polling'
   uavspec probe --allow-commands --uav 00 --uav 01 tcp://localhost:5001
@@ -44,7 +44,7 @@ const EXAMPLES: &str = "Examples:
   uavspec probe --as component dds://0";
 
 /// The default time to listen for notifications.
-const OBSERVE: Duration = Duration::from_secs(3);
+const TIME: Duration = Duration::from_secs(3);
 
 /// The meaning of exit status 3.
 const FAILURE: &str = "the server doesn't respond, or a file can't be written";
@@ -74,9 +74,9 @@ pub(super) struct ProbeArgs {
     targets: Vec<Target>,
     #[command(flatten)]
     vehicle: VehicleArgs,
-    /// Time to listen for notifications (default: 3).
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
-    observe: Option<Duration>,
+    /// Time to listen: to a vehicle (default: 20), or for notifications of a server (default: 3).
+    #[arg(long = "for", value_name = "SECONDS", value_parser = seconds)]
+    time: Option<Duration>,
     #[command(flatten)]
     access: AccessArgs,
     /// Also send commands to the UAVs given with --uav.
@@ -99,7 +99,7 @@ pub(super) struct ProbeArgs {
     /// Run no trials: send no malformed messages and no unusual ones, apart from unknown ids and an unknown type.
     #[arg(long)]
     no_trials: bool,
-    /// Time after which no further requests are sent, without --observe (default: 45, or 105 with --allow-commands).
+    /// Time after which no further requests are sent, without --for (default: 45, or 105 with --allow-commands).
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     limit: Option<Duration>,
     /// Time that a request may stay unanswered, from 1 to 60 (default: 5).
@@ -198,7 +198,6 @@ impl ProbeArgs {
     /// The first given option that applies only to Flockwave servers.
     fn given_for_server(&self) -> Option<&'static str> {
         let given = first_given(&[
-            ("--observe", self.observe.is_some()),
             ("--allow-commands", self.allow_commands),
             ("--only", !self.only.is_empty()),
             ("--skip", !self.skip.is_empty()),
@@ -325,8 +324,8 @@ fn options(args: &ProbeArgs, definitions: &Definitions) -> Result<Options, Statu
     let selection = selection.map_err(|problem| Status::Usage.because(problem))?;
     let selection = if args.no_trials { selection.without_trials() } else { selection };
     let trust = args.access.trust()?;
-    let observe = args.observe.unwrap_or(OBSERVE);
-    let options = Options::new(observe, args.access.login.clone(), args.uav.clone());
+    let time = args.time.unwrap_or(TIME);
+    let options = Options::new(time, args.access.login.clone(), args.uav.clone());
     Ok(Options {
         limit: args.limit.unwrap_or(options.limit),
         timeout: args.timeout.unwrap_or(options.timeout),

@@ -130,7 +130,7 @@ impl Running {
 
     fn start(arguments: &[&str]) -> Self {
         let mut child = Command::new(env!("CARGO_BIN_EXE_uavspec"))
-            .args(["probe", "--observe", "0.1", "--no-trials"])
+            .args(["probe", "--for", "0.1", "--no-trials"])
             .args(arguments)
             .env("CLICOLOR_FORCE", "1")
             .stdout(Stdio::piped())
@@ -306,7 +306,7 @@ fn a_size_limit_of_files_ends_no_flight() {
     let (server, url) = reference_server();
     let folder = tempfile::tempdir().expect("a folder");
     let (record, _) = outputs(folder.path());
-    let flown = format!("{} {}", FLIGHT.join(" "), "--observe 0.1 --no-trials --allow-commands");
+    let flown = format!("{} {}", FLIGHT.join(" "), "--for 0.1 --no-trials --allow-commands");
     let probe = format!("ulimit -f 16; exec \"$0\" probe {flown} --uav {UAV} --record \"$1\" \"$2\"");
     let output = Command::new("sh")
         .args(["-c", &probe, env!("CARGO_BIN_EXE_uavspec"), &record, &url])

@@ -295,7 +295,7 @@ fn several_servers_have_one_report_with_the_shortest_commands() {
     let folder = tempfile::tempdir().expect("a folder");
     let report = folder.path().join("report.json");
     let reported = format!("json={}", report.display());
-    let arguments = ["probe", "--observe", "0.1", "--no-trials", "--report", &reported, &one, &other];
+    let arguments = ["probe", "--for", "0.1", "--no-trials", "--report", &reported, &one, &other];
     let (status, printed, errors) = uavspec(&arguments);
     drop((first, second));
     assert_eq!((status, errors.as_str()), (Some(1), ""), "{printed}");
@@ -304,7 +304,7 @@ fn several_servers_have_one_report_with_the_shortest_commands() {
         report["subjects"].as_array().expect("a list").iter().map(|subject| &subject["path"]).collect();
     assert_eq!(paths, [&json!(one), &json!(other)]);
     let finding = &report["subjects"][0]["findings"][0];
-    assert_eq!(finding["reproduce"], format!("uavspec probe --observe 0.1 --only SYS-VER {one}"));
+    assert_eq!(finding["reproduce"], format!("uavspec probe --for 0.1 --only SYS-VER {one}"));
     let page = "https://doc.collmot.com/public/skybrush-protocol-spec/latest/messages/sys.html";
     assert_eq!(finding["specification"], page);
     let text = report["outcome"]["text"].as_str().expect("a text");

@@ -8,7 +8,7 @@ pub(super) const RULE: Rule = Rule {
     id: "error-code-added",
     statement: "An error code was added.",
     why: "Existing programs don't know the code, but can still derive its severity from the number.",
-    fix: "No change is necessary. Choose a number with the correct severity bits.",
+    fix: "Choose a number with the correct severity bits. Otherwise, no change is necessary.",
     breaks: &[(Category::Semantic, Level::Note)],
     old: &[boats!["|   64 | LEAK | Water in the hull. |"]],
     new: &[boats!["|   64 | LEAK | Water in the hull. |", "|   65 | LIST | The boat heels. |"]],

@@ -128,7 +128,7 @@ impl Parser {
         number
     }
 
-    /// Checks a name. An invalid name doesn't prevent reading, except for one that is too long: each event states its
+    /// Checks a name. An invalid name doesn't prevent reading, unless it is too long: each event states its
     /// group, and each mistake its name.
     fn name(
         &mut self,

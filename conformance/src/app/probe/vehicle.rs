@@ -18,7 +18,6 @@ use uavspec_rules::px4::Side;
 use super::application::Application;
 use super::{ProbeArgs, report, start_reports};
 use crate::app::progress::Progress;
-use crate::app::test::seconds;
 use crate::app::{Exit, Status, baseline, first_given, interrupt, library};
 
 /// The default time to listen.
@@ -31,9 +30,6 @@ const PATTERN: &[char] = &['*', '?', '[', ']', '{', '}', '!', '\\'];
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Options for PX4 vehicles")]
 pub(super) struct VehicleArgs {
-    /// Time to listen to a vehicle (default: 20).
-    #[arg(long = "for", value_name = "SECONDS", value_parser = seconds)]
-    time: Option<Duration>,
     /// Topics to receive, as a glob pattern (repeatable; default: all).
     ///
     /// For example, '/fmu/out/*'. Publishers and subscribers of other topics are compared as well. A rosbridge server
@@ -74,7 +70,6 @@ impl VehicleArgs {
     /// The first given option.
     pub(super) fn given(&self) -> Option<&'static str> {
         first_given(&[
-            ("--for", self.time.is_some()),
             ("--topics", !self.topics.is_empty()),
             ("--namespace", self.namespace.is_some()),
             ("--peer", !self.peer.is_empty()),
@@ -114,7 +109,7 @@ pub(super) fn probe_vehicle(args: &ProbeArgs, address: &Address) -> Exit {
     let mut bus = bus::connect(address, &args.vehicle.peer, &args.vehicle.names()).map_err(failed)?;
     let stopped = stop.clone();
     let options = Options {
-        time: args.vehicle.time.unwrap_or(TIME),
+        time: args.time.unwrap_or(TIME),
         topics: args.vehicle.selected(),
         namespace: args.vehicle.namespace.clone(),
         role: args.vehicle.role,

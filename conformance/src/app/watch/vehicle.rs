@@ -182,7 +182,7 @@ fn print_once(args: &WatchArgs, playback: &Playback, labels: &Labels) -> Exit {
         (text, shown.vehicle.modes(), !shown.vehicle.has_state(), shown.vehicle.ambiguous)
     });
     if let Some(topic) = ambiguous.filter(|_| question.why_not_arm) {
-        let problem = format!("several vehicles publish `{topic}`, and their reports can't be told apart");
+        let problem = format!("several vehicles publish `{topic}`: their reports are mixed");
         return Err(failed(labels, &problem));
     }
     let Some(text) = text else {
