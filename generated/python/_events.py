@@ -124,7 +124,11 @@ def _shortest(value: float) -> str:
         return "NaN"
     for precision in range(1, 10):
         text = f"{value:.{precision}g}"
-        if struct.pack("<f", float(text)) == struct.pack("<f", value):
+        try:
+            is_same = struct.pack("<f", float(text)) == struct.pack("<f", value)
+        except OverflowError:  # rounded up beyond the largest value
+            is_same = False
+        if is_same:
             break
     digits, _, exponent = text.partition("e")
     if not exponent:

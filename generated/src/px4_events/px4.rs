@@ -4,7 +4,7 @@
 
 use uavspec_runtime::event::{
     ArgumentDescriptor, ArgumentReader, ArgumentWriter, EnumLabels, Event,
-    EventDescriptor, EventTexts, Text,
+    EventDescriptor, EventTexts,
 };
 use uavspec_runtime::{Scalar, open};
 
@@ -983,24 +983,14 @@ impl Event for CheckAboveWindLimitsWarning {
         namespace: "px4",
         name: "check_above_wind_limits_warning",
         group: "default",
-        arguments: &[
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::Float32,
-                labels: &[],
-            },
-        ],
+        arguments: &[ArgumentDescriptor::new("arg0", Scalar::Float32, &[])],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The wind is above the limit: {1:.1m/s}"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Вітер перевищує межу: {1:.1m/s}"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The wind is above the limit: {1:.1m/s}", ""),
+            EventTexts::new(
+                "uk",
+                "Вітер перевищує межу: {1:.1m/s}",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -1030,33 +1020,21 @@ impl Event for CheckAccelMissing {
         name: "check_accel_missing",
         group: "health",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Accelerometer {3} was not found"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Акселерометр {3} не знайдено"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Accelerometer {3} was not found", ""),
+            EventTexts::new(
+                "uk",
+                "Акселерометр {3} не знайдено",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -1092,35 +1070,21 @@ impl Event for CheckAccelNoData {
         name: "check_accel_no_data",
         group: "health",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Accelerometer {3} sends no valid data"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Акселерометр {3} не надсилає достовірних даних",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Accelerometer {3} sends no valid data", ""),
+            EventTexts::new(
+                "uk",
+                "Акселерометр {3} не надсилає достовірних даних",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -1156,35 +1120,21 @@ impl Event for CheckAccelNotCalibrated {
         name: "check_accel_not_calibrated",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Accelerometer {3} has no calibration"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Акселерометр {3} не відкалібровано",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Accelerometer {3} has no calibration", ""),
+            EventTexts::new(
+                "uk",
+                "Акселерометр {3} не відкалібровано",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -1218,30 +1168,20 @@ impl Event for CheckAirspeedInvalid {
         name: "check_airspeed_invalid",
         group: "health",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The airspeed is unusable"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Повітряна швидкість непридатна для використання",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The airspeed is unusable", ""),
+            EventTexts::new(
+                "uk",
+                "Повітряна швидкість непридатна для використання",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -1273,30 +1213,20 @@ impl Event for CheckAirspeedNoData {
         name: "check_airspeed_no_data",
         group: "health",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("No airspeed is measured"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Повітряна швидкість не вимірюється",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "No airspeed is measured", ""),
+            EventTexts::new(
+                "uk",
+                "Повітряна швидкість не вимірюється",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -1332,40 +1262,26 @@ impl Event for CheckAirspeedTooHigh {
         name: "check_airspeed_too_high",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::Float32,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg1",
-                scalar: Scalar::Float32,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::Float32, &[]),
+            ArgumentDescriptor::new("arg1", Scalar::Float32, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The airspeed sensor reads too much on the ground"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Датчик повітряної швидкості показує на землі забагато",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new(
+                "en",
+                "The airspeed sensor reads too much on the ground",
+                "",
+            ),
+            EventTexts::new(
+                "uk",
+                "Датчик повітряної швидкості показує на землі забагато",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -1401,30 +1317,20 @@ impl Event for CheckArmableConfiguration {
         name: "check_armable_configuration",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("A safety setting forbids arming"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Налаштування безпеки забороняє озброєння",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "A safety setting forbids arming", ""),
+            EventTexts::new(
+                "uk",
+                "Налаштування безпеки забороняє озброєння",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -1460,42 +1366,26 @@ impl Event for CheckAvionicsPowerHigh {
         name: "check_avionics_power_high",
         group: "health",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::Float32,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg1",
-                scalar: Scalar::Float32,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::Float32, &[]),
+            ArgumentDescriptor::new("arg1", Scalar::Float32, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new(
-                    "The avionics voltage is too high: {3:.2} V, at most {4:.2} V",
-                ),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Напруга авіоніки зависока: {3:.2} В, максимум {4:.2} В",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new(
+                "en",
+                "The avionics voltage is too high: {3:.2} V, at most {4:.2} V",
+                "",
+            ),
+            EventTexts::new(
+                "uk",
+                "Напруга авіоніки зависока: {3:.2} В, максимум {4:.2} В",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -1535,42 +1425,26 @@ impl Event for CheckAvionicsPowerLow {
         name: "check_avionics_power_low",
         group: "health",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::Float32,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg1",
-                scalar: Scalar::Float32,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::Float32, &[]),
+            ArgumentDescriptor::new("arg1", Scalar::Float32, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new(
-                    "The avionics voltage is too low: {3:.2} V, at least {4:.2} V",
-                ),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Напруга авіоніки занизька: {3:.2} В, мінімум {4:.2} В",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new(
+                "en",
+                "The avionics voltage is too low: {3:.2} V, at least {4:.2} V",
+                "",
+            ),
+            EventTexts::new(
+                "uk",
+                "Напруга авіоніки занизька: {3:.2} В, мінімум {4:.2} В",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -1606,30 +1480,20 @@ impl Event for CheckAvionicsPowerMissing {
         name: "check_avionics_power_missing",
         group: "health",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("No power module supplies the avionics"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Жоден модуль живлення не живить авіоніку",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "No power module supplies the avionics", ""),
+            EventTexts::new(
+                "uk",
+                "Жоден модуль живлення не живить авіоніку",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -1665,40 +1529,22 @@ impl Event for CheckAvionicsPowerRedundancy {
         name: "check_avionics_power_redundancy",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg1",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg1", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("{3} of {4} required power modules work"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Працює модулів живлення: {3} з {4} потрібних",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "{3} of {4} required power modules work", ""),
+            EventTexts::new(
+                "uk",
+                "Працює модулів живлення: {3} з {4} потрібних",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -1736,33 +1582,17 @@ impl Event for CheckBaroMissing {
         name: "check_baro_missing",
         group: "health",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Barometer {3} was not found"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Барометр {3} не знайдено"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Barometer {3} was not found", ""),
+            EventTexts::new("uk", "Барометр {3} не знайдено", ""),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -1798,35 +1628,21 @@ impl Event for CheckBaroNoData {
         name: "check_baro_no_data",
         group: "health",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Barometer {3} sends no valid data"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Барометр {3} не надсилає достовірних даних",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Barometer {3} sends no valid data", ""),
+            EventTexts::new(
+                "uk",
+                "Барометр {3} не надсилає достовірних даних",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -1862,33 +1678,17 @@ impl Event for CheckBatteryDisconnected {
         name: "check_battery_disconnected",
         group: "health",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Battery {3} is disconnected"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Батарею {3} від’єднано"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Battery {3} is disconnected", ""),
+            EventTexts::new("uk", "Батарею {3} від’єднано", ""),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -1930,52 +1730,28 @@ impl Event for CheckBatteryFault {
         name: "check_battery_fault",
         group: "health",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg1",
-                scalar: Scalar::UInt8,
-                labels: BatteryFaultReason::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "arg2",
-                scalar: Scalar::UInt8,
-                labels: SuggestedAction::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "arg3",
-                scalar: Scalar::UInt32,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg1", Scalar::UInt8, BatteryFaultReason::LABELS),
+            ArgumentDescriptor::new("arg2", Scalar::UInt8, SuggestedAction::LABELS),
+            ArgumentDescriptor::new("arg3", Scalar::UInt32, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new(
-                    "Battery {3} reports a fault: {4} (manufacturer code {6}). {5}",
-                ),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Батарея {3} повідомляє про несправність: {4} (код виробника {6}). {5}",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new(
+                "en",
+                "Battery {3} reports a fault: {4} (manufacturer code {6}). {5}",
+                "",
+            ),
+            EventTexts::new(
+                "uk",
+                "Батарея {3} повідомляє про несправність: {4} (код виробника {6}). {5}",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -2015,28 +1791,16 @@ impl Event for CheckBatteryLow {
         name: "check_battery_low",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Battery charge is low"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Низький заряд батареї"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Battery charge is low", ""),
+            EventTexts::new("uk", "Низький заряд батареї", ""),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -2072,38 +1836,18 @@ impl Event for CheckBatteryMode {
         name: "check_battery_mode",
         group: "health",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg1",
-                scalar: Scalar::UInt8,
-                labels: BatteryMode::LABELS,
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg1", Scalar::UInt8, BatteryMode::LABELS),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Battery {3} is in the mode: {4}"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Режим батареї {3}: {4}"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Battery {3} is in the mode: {4}", ""),
+            EventTexts::new("uk", "Режим батареї {3}: {4}", ""),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -2139,30 +1883,20 @@ impl Event for CheckBatteryPreflightLow {
         name: "check_battery_preflight_low",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Battery charge is too low for a takeoff"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Заряд батареї замалий для зльоту",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Battery charge is too low for a takeoff", ""),
+            EventTexts::new(
+                "uk",
+                "Заряд батареї замалий для зльоту",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -2194,30 +1928,20 @@ impl Event for CheckBatteryRemFlightTimeLow {
         name: "check_battery_rem_flight_time_low",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Remaining battery flight time too low"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Залишок часу польоту на батареї замалий",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Remaining battery flight time too low", ""),
+            EventTexts::new(
+                "uk",
+                "Залишок часу польоту на батареї замалий",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -2249,30 +1973,20 @@ impl Event for CheckBatteryUnhealthy {
         name: "check_battery_unhealthy",
         group: "health",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Battery missing, unresponsive or faulty"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Батарея відсутня, не відповідає або несправна",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Battery missing, unresponsive or faulty", ""),
+            EventTexts::new(
+                "uk",
+                "Батарея відсутня, не відповідає або несправна",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -2306,35 +2020,21 @@ impl Event for CheckCpuloadTooHigh {
         name: "check_cpuload_too_high",
         group: "health",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::Float32,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::Float32, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The processor is overloaded: {3:.1} %"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Процесор перевантажено: {3:.1} %",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The processor is overloaded: {3:.1} %", ""),
+            EventTexts::new(
+                "uk",
+                "Процесор перевантажено: {3:.1} %",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -2370,35 +2070,21 @@ impl Event for CheckDistanceSensorInvalid {
         name: "check_distance_sensor_invalid",
         group: "health",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Distance sensor {3} sends no valid data"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Датчик відстані {3} не надсилає достовірних даних",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Distance sensor {3} sends no valid data", ""),
+            EventTexts::new(
+                "uk",
+                "Датчик відстані {3} не надсилає достовірних даних",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -2434,35 +2120,21 @@ impl Event for CheckDistanceSensorMissing {
         name: "check_distance_sensor_missing",
         group: "health",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Distance sensor {3} was not found"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Датчик відстані {3} не знайдено",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Distance sensor {3} was not found", ""),
+            EventTexts::new(
+                "uk",
+                "Датчик відстані {3} не знайдено",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -2502,45 +2174,23 @@ impl Event for CheckEscsFault {
         name: "check_escs_fault",
         group: "health",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg1",
-                scalar: Scalar::UInt8,
-                labels: EscFaultReason::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "arg2",
-                scalar: Scalar::UInt8,
-                labels: SuggestedAction::LABELS,
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg1", Scalar::UInt8, EscFaultReason::LABELS),
+            ArgumentDescriptor::new("arg2", Scalar::UInt8, SuggestedAction::LABELS),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("ESC {3} reports a fault: {4}. {5}"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Регулятор обертів {3} повідомляє про несправність: {4}. {5}",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "ESC {3} reports a fault: {4}. {5}", ""),
+            EventTexts::new(
+                "uk",
+                "Регулятор обертів {3} повідомляє про несправність: {4}. {5}",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -2580,35 +2230,21 @@ impl Event for CheckEscsOffline {
         name: "check_escs_offline",
         group: "health",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("ESC {3} doesn't answer"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Регулятор обертів {3} не відповідає",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "ESC {3} doesn't answer", ""),
+            EventTexts::new(
+                "uk",
+                "Регулятор обертів {3} не відповідає",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -2642,30 +2278,20 @@ impl Event for CheckEscsTelemMissing {
         name: "check_escs_telem_missing",
         group: "health",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The ESCs send no telemetry"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Регулятори обертів не надсилають телеметрії",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The ESCs send no telemetry", ""),
+            EventTexts::new(
+                "uk",
+                "Регулятори обертів не надсилають телеметрії",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -2697,28 +2323,16 @@ impl Event for CheckEstimatorGnssFault {
         name: "check_estimator_gnss_fault",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The GPS heading is unreliable"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Курс від GPS ненадійний"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The GPS heading is unreliable", ""),
+            EventTexts::new("uk", "Курс від GPS ненадійний", ""),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -2746,18 +2360,12 @@ impl Event for CheckEstimatorGnssFusionStarted {
         group: "default",
         arguments: &[],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The estimator started to use GPS"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Оцінювач почав використовувати GPS",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The estimator started to use GPS", ""),
+            EventTexts::new(
+                "uk",
+                "Оцінювач почав використовувати GPS",
+                "",
+            ),
         ],
     };
     fn read(_source: &mut ArgumentReader<'_>) -> Self {
@@ -2779,18 +2387,12 @@ impl Event for CheckEstimatorGnssFusionStopped {
         group: "default",
         arguments: &[],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The estimator stopped using GPS"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Оцінювач припинив використовувати GPS",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The estimator stopped using GPS", ""),
+            EventTexts::new(
+                "uk",
+                "Оцінювач припинив використовувати GPS",
+                "",
+            ),
         ],
     };
     fn read(_source: &mut ArgumentReader<'_>) -> Self {
@@ -2816,28 +2418,16 @@ impl Event for CheckEstimatorGpsFixTooLow {
         name: "check_estimator_gps_fix_too_low",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("GPS has no 3D fix"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("GPS не має 3D-фіксації"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "GPS has no 3D fix", ""),
+            EventTexts::new("uk", "GPS не має 3D-фіксації", ""),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -2869,28 +2459,16 @@ impl Event for CheckEstimatorGpsGeneric {
         name: "check_estimator_gps_generic",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("GPS quality is insufficient"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Якість GPS недостатня"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "GPS quality is insufficient", ""),
+            EventTexts::new("uk", "Якість GPS недостатня", ""),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -2922,30 +2500,20 @@ impl Event for CheckEstimatorGpsHorPosDriftTooHigh {
         name: "check_estimator_gps_hor_pos_drift_too_high",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The horizontal GPS position drifts too fast"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Горизонтальна позиція GPS дрейфує занадто швидко",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The horizontal GPS position drifts too fast", ""),
+            EventTexts::new(
+                "uk",
+                "Горизонтальна позиція GPS дрейфує занадто швидко",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -2977,30 +2545,20 @@ impl Event for CheckEstimatorGpsHorPosErrTooHigh {
         name: "check_estimator_gps_hor_pos_err_too_high",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The horizontal GPS position is too inaccurate"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Горизонтальна позиція GPS занадто неточна",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The horizontal GPS position is too inaccurate", ""),
+            EventTexts::new(
+                "uk",
+                "Горизонтальна позиція GPS занадто неточна",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -3032,30 +2590,20 @@ impl Event for CheckEstimatorGpsHorSpeedDriftTooHigh {
         name: "check_estimator_gps_hor_speed_drift_too_high",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The horizontal GPS speed at rest is too high"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Горизонтальна швидкість GPS у спокої завелика",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The horizontal GPS speed at rest is too high", ""),
+            EventTexts::new(
+                "uk",
+                "Горизонтальна швидкість GPS у спокої завелика",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -3087,30 +2635,20 @@ impl Event for CheckEstimatorGpsJammingCritical {
         name: "check_estimator_gps_jamming_critical",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The GPS receiver reports jamming"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Приймач GPS повідомляє про глушіння",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The GPS receiver reports jamming", ""),
+            EventTexts::new(
+                "uk",
+                "Приймач GPS повідомляє про глушіння",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -3142,30 +2680,24 @@ impl Event for CheckEstimatorGpsMultipleSpoofingIndicated {
         name: "check_estimator_gps_multiple_spoofing_indicated",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The GPS receiver reports several signs of spoofing"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Приймач GPS повідомляє про кілька ознак підміни сигналу",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new(
+                "en",
+                "The GPS receiver reports several signs of spoofing",
+                "",
+            ),
+            EventTexts::new(
+                "uk",
+                "Приймач GPS повідомляє про кілька ознак підміни сигналу",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -3197,28 +2729,20 @@ impl Event for CheckEstimatorGpsNotFusing {
         name: "check_estimator_gps_not_fusing",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The estimator doesn't use GPS"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Оцінювач не використовує GPS"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The estimator doesn't use GPS", ""),
+            EventTexts::new(
+                "uk",
+                "Оцінювач не використовує GPS",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -3250,30 +2774,20 @@ impl Event for CheckEstimatorGpsNumSatsTooLow {
         name: "check_estimator_gps_num_sats_too_low",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("GPS receives too few satellites"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "GPS приймає замало супутників",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "GPS receives too few satellites", ""),
+            EventTexts::new(
+                "uk",
+                "GPS приймає замало супутників",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -3305,32 +2819,24 @@ impl Event for CheckEstimatorGpsPdopTooHigh {
         name: "check_estimator_gps_pdop_too_high",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new(
-                    "The geometry of the GPS satellites is poor (PDOP too high)",
-                ),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Геометрія супутників GPS погана (PDOP завеликий)",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new(
+                "en",
+                "The geometry of the GPS satellites is poor (PDOP too high)",
+                "",
+            ),
+            EventTexts::new(
+                "uk",
+                "Геометрія супутників GPS погана (PDOP завеликий)",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -3362,30 +2868,20 @@ impl Event for CheckEstimatorGpsSpeedAccTooLow {
         name: "check_estimator_gps_speed_acc_too_low",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The GPS speed is too inaccurate"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Швидкість GPS занадто неточна",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The GPS speed is too inaccurate", ""),
+            EventTexts::new(
+                "uk",
+                "Швидкість GPS занадто неточна",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -3417,30 +2913,20 @@ impl Event for CheckEstimatorGpsSpoofingIndicated {
         name: "check_estimator_gps_spoofing_indicated",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The GPS receiver reports a sign of spoofing"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Приймач GPS повідомляє про ознаку підміни сигналу",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The GPS receiver reports a sign of spoofing", ""),
+            EventTexts::new(
+                "uk",
+                "Приймач GPS повідомляє про ознаку підміни сигналу",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -3472,30 +2958,20 @@ impl Event for CheckEstimatorGpsVertPosDriftTooHigh {
         name: "check_estimator_gps_vert_pos_drift_too_high",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The vertical GPS position drifts too fast"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Вертикальна позиція GPS дрейфує занадто швидко",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The vertical GPS position drifts too fast", ""),
+            EventTexts::new(
+                "uk",
+                "Вертикальна позиція GPS дрейфує занадто швидко",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -3527,30 +3003,20 @@ impl Event for CheckEstimatorGpsVertPosErrTooHigh {
         name: "check_estimator_gps_vert_pos_err_too_high",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The vertical GPS position is too inaccurate"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Вертикальна позиція GPS занадто неточна",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The vertical GPS position is too inaccurate", ""),
+            EventTexts::new(
+                "uk",
+                "Вертикальна позиція GPS занадто неточна",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -3582,32 +3048,24 @@ impl Event for CheckEstimatorGpsVertSpeedDriftTooHigh {
         name: "check_estimator_gps_vert_speed_drift_too_high",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new(
-                    "The vertical GPS speed differs too much from the estimate",
-                ),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Вертикальна швидкість GPS надто відрізняється від оцінки",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new(
+                "en",
+                "The vertical GPS speed differs too much from the estimate",
+                "",
+            ),
+            EventTexts::new(
+                "uk",
+                "Вертикальна швидкість GPS надто відрізняється від оцінки",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -3639,30 +3097,20 @@ impl Event for CheckEstimatorHeadingNotStable {
         name: "check_estimator_heading_not_stable",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The heading estimate hasn't settled"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Оцінка курсу ще не стабілізувалася",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The heading estimate hasn't settled", ""),
+            EventTexts::new(
+                "uk",
+                "Оцінка курсу ще не стабілізувалася",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -3698,40 +3146,22 @@ impl Event for CheckEstimatorHgtEstErr {
         name: "check_estimator_hgt_est_err",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::Float32,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg1",
-                scalar: Scalar::Float32,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::Float32, &[]),
+            ArgumentDescriptor::new("arg1", Scalar::Float32, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The height estimate disagrees with its sensors"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Оцінка висоти розходиться з даними датчиків",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The height estimate disagrees with its sensors", ""),
+            EventTexts::new(
+                "uk",
+                "Оцінка висоти розходиться з даними датчиків",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -3767,30 +3197,20 @@ impl Event for CheckEstimatorHgtNotStable {
         name: "check_estimator_hgt_not_stable",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The height estimate hasn't settled"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Оцінка висоти ще не стабілізувалася",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The height estimate hasn't settled", ""),
+            EventTexts::new(
+                "uk",
+                "Оцінка висоти ще не стабілізувалася",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -3830,50 +3250,24 @@ impl Event for CheckEstimatorHighAccelBias {
         name: "check_estimator_high_accel_bias",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg1",
-                scalar: Scalar::Float32,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg2",
-                scalar: Scalar::Float32,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg3",
-                scalar: Scalar::Float32,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg1", Scalar::Float32, &[]),
+            ArgumentDescriptor::new("arg2", Scalar::Float32, &[]),
+            ArgumentDescriptor::new("arg3", Scalar::Float32, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The estimated accelerometer bias is too large"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Оцінене зміщення акселерометра завелике",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The estimated accelerometer bias is too large", ""),
+            EventTexts::new(
+                "uk",
+                "Оцінене зміщення акселерометра завелике",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -3921,50 +3315,24 @@ impl Event for CheckEstimatorHighGyroBias {
         name: "check_estimator_high_gyro_bias",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg1",
-                scalar: Scalar::Float32,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg2",
-                scalar: Scalar::Float32,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg3",
-                scalar: Scalar::Float32,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg1", Scalar::Float32, &[]),
+            ArgumentDescriptor::new("arg2", Scalar::Float32, &[]),
+            ArgumentDescriptor::new("arg3", Scalar::Float32, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The estimated gyroscope bias is too large"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Оцінене зміщення гіроскопа завелике",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The estimated gyroscope bias is too large", ""),
+            EventTexts::new(
+                "uk",
+                "Оцінене зміщення гіроскопа завелике",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -4004,30 +3372,20 @@ impl Event for CheckEstimatorHorVelNotStable {
         name: "check_estimator_hor_vel_not_stable",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The horizontal velocity estimate hasn't settled"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Оцінка горизонтальної швидкості ще не стабілізувалася",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The horizontal velocity estimate hasn't settled", ""),
+            EventTexts::new(
+                "uk",
+                "Оцінка горизонтальної швидкості ще не стабілізувалася",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -4055,16 +3413,8 @@ impl Event for CheckEstimatorLowPositionAccuracy {
         group: "default",
         arguments: &[],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The local position is inaccurate"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Локальна позиція неточна"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The local position is inaccurate", ""),
+            EventTexts::new("uk", "Локальна позиція неточна", ""),
         ],
     };
     fn read(_source: &mut ArgumentReader<'_>) -> Self {
@@ -4090,30 +3440,20 @@ impl Event for CheckEstimatorMagFault {
         name: "check_estimator_mag_fault",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The estimator has stopped using the compass"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Оцінювач перестав використовувати компас",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The estimator has stopped using the compass", ""),
+            EventTexts::new(
+                "uk",
+                "Оцінювач перестав використовувати компас",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -4153,50 +3493,24 @@ impl Event for CheckEstimatorMagInterference {
         name: "check_estimator_mag_interference",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::Float32,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg1",
-                scalar: Scalar::Float32,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg2",
-                scalar: Scalar::Float32,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg3",
-                scalar: Scalar::Float32,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::Float32, &[]),
+            ArgumentDescriptor::new("arg1", Scalar::Float32, &[]),
+            ArgumentDescriptor::new("arg2", Scalar::Float32, &[]),
+            ArgumentDescriptor::new("arg3", Scalar::Float32, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("A strong magnetic field disturbs the compass"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Сильне магнітне поле заважає компасу",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "A strong magnetic field disturbs the compass", ""),
+            EventTexts::new(
+                "uk",
+                "Сильне магнітне поле заважає компасу",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -4236,28 +3550,16 @@ impl Event for CheckEstimatorMissingData {
         name: "check_estimator_missing_data",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The estimator has not started yet"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Оцінювач ще не запустився"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The estimator has not started yet", ""),
+            EventTexts::new("uk", "Оцінювач ще не запустився", ""),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -4289,28 +3591,16 @@ impl Event for CheckEstimatorNavFailure {
         name: "check_estimator_nav_failure",
         group: "health",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The navigation has failed"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Відмова навігації"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The navigation has failed", ""),
+            EventTexts::new("uk", "Відмова навігації", ""),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -4346,40 +3636,26 @@ impl Event for CheckEstimatorPosEstErr {
         name: "check_estimator_pos_est_err",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::Float32,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg1",
-                scalar: Scalar::Float32,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::Float32, &[]),
+            ArgumentDescriptor::new("arg1", Scalar::Float32, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The position estimate disagrees with its sensors"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Оцінка позиції розходиться з даними датчиків",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new(
+                "en",
+                "The position estimate disagrees with its sensors",
+                "",
+            ),
+            EventTexts::new(
+                "uk",
+                "Оцінка позиції розходиться з даними датчиків",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -4411,18 +3687,16 @@ impl Event for CheckEstimatorPositionFailureImminent {
         group: "default",
         arguments: &[],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The position error is close to the failsafe limit"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Похибка позиції близька до межі аварійного режиму",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new(
+                "en",
+                "The position error is close to the failsafe limit",
+                "",
+            ),
+            EventTexts::new(
+                "uk",
+                "Похибка позиції близька до межі аварійного режиму",
+                "",
+            ),
         ],
     };
     fn read(_source: &mut ArgumentReader<'_>) -> Self {
@@ -4452,40 +3726,26 @@ impl Event for CheckEstimatorVelEstErr {
         name: "check_estimator_vel_est_err",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::Float32,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg1",
-                scalar: Scalar::Float32,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::Float32, &[]),
+            ArgumentDescriptor::new("arg1", Scalar::Float32, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The velocity estimate disagrees with its sensors"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Оцінка швидкості розходиться з даними датчиків",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new(
+                "en",
+                "The velocity estimate disagrees with its sensors",
+                "",
+            ),
+            EventTexts::new(
+                "uk",
+                "Оцінка швидкості розходиться з даними датчиків",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -4521,30 +3781,20 @@ impl Event for CheckEstimatorVertVelNotStable {
         name: "check_estimator_vert_vel_not_stable",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The vertical velocity estimate hasn't settled"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Оцінка вертикальної швидкості ще не стабілізувалася",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The vertical velocity estimate hasn't settled", ""),
+            EventTexts::new(
+                "uk",
+                "Оцінка вертикальної швидкості ще не стабілізувалася",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -4580,40 +3830,22 @@ impl Event for CheckEstimatorYawEstErr {
         name: "check_estimator_yaw_est_err",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::Float32,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg1",
-                scalar: Scalar::Float32,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::Float32, &[]),
+            ArgumentDescriptor::new("arg1", Scalar::Float32, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The yaw estimate disagrees with its sensors"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Оцінка рискання розходиться з даними датчиків",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The yaw estimate disagrees with its sensors", ""),
+            EventTexts::new(
+                "uk",
+                "Оцінка рискання розходиться з даними датчиків",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -4649,30 +3881,24 @@ impl Event for CheckExternalModesUnavailable {
         name: "check_external_modes_unavailable",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The program that provides the mode isn't running"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Програму, що надає режим, не запущено",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new(
+                "en",
+                "The program that provides the mode isn't running",
+                "",
+            ),
+            EventTexts::new(
+                "uk",
+                "Програму, що надає режим, не запущено",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -4704,30 +3930,24 @@ impl Event for CheckExternalModesUnresponsive {
         name: "check_external_modes_unresponsive",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The program that provides the mode doesn't answer"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Програма, що надає режим, не відповідає",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new(
+                "en",
+                "The program that provides the mode doesn't answer",
+                "",
+            ),
+            EventTexts::new(
+                "uk",
+                "Програма, що надає режим, не відповідає",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -4759,30 +3979,20 @@ impl Event for CheckFailureDetectorAlt {
         name: "check_failure_detector_alt",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The failure detector found an altitude failure"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Детектор відмов виявив відмову за висотою",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The failure detector found an altitude failure", ""),
+            EventTexts::new(
+                "uk",
+                "Детектор відмов виявив відмову за висотою",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -4814,30 +4024,20 @@ impl Event for CheckFailureDetectorArmEsc {
         name: "check_failure_detector_arm_esc",
         group: "health",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("An ESC could not arm"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Регулятор обертів не озброївся",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "An ESC could not arm", ""),
+            EventTexts::new(
+                "uk",
+                "Регулятор обертів не озброївся",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -4869,30 +4069,20 @@ impl Event for CheckFailureDetectorExt {
         name: "check_failure_detector_ext",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("An external system reported a failure"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Зовнішня система повідомила про відмову",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "An external system reported a failure", ""),
+            EventTexts::new(
+                "uk",
+                "Зовнішня система повідомила про відмову",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -4924,28 +4114,16 @@ impl Event for CheckFailureDetectorImbalancedProp {
         name: "check_failure_detector_imbalanced_prop",
         group: "health",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("A propeller is out of balance"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Незбалансований пропелер"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "A propeller is out of balance", ""),
+            EventTexts::new("uk", "Незбалансований пропелер", ""),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -4977,28 +4155,16 @@ impl Event for CheckFailureDetectorMotor {
         name: "check_failure_detector_motor",
         group: "health",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("A motor has failed"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Відмова мотора"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "A motor has failed", ""),
+            EventTexts::new("uk", "Відмова мотора", ""),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -5030,28 +4196,20 @@ impl Event for CheckFailureDetectorPitch {
         name: "check_failure_detector_pitch",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The pitch angle exceeds its limit"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Кут тангажу перевищує межу"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The pitch angle exceeds its limit", ""),
+            EventTexts::new(
+                "uk",
+                "Кут тангажу перевищує межу",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -5083,28 +4241,16 @@ impl Event for CheckFailureDetectorRoll {
         name: "check_failure_detector_roll",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The roll angle exceeds its limit"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Кут крену перевищує межу"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The roll angle exceeds its limit", ""),
+            EventTexts::new("uk", "Кут крену перевищує межу", ""),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -5136,30 +4282,20 @@ impl Event for CheckFlightTimeLimit {
         name: "check_flight_time_limit",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Flight time limit exceeded"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Перевищено граничний час польоту",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Flight time limit exceeded", ""),
+            EventTexts::new(
+                "uk",
+                "Перевищено граничний час польоту",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -5191,32 +4327,24 @@ impl Event for CheckGfNoHome {
         name: "check_gf_no_home",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new(
-                    "The geofence action is Return, but the home position is not set",
-                ),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Дія геозони — повернення, але домашню позицію не встановлено",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new(
+                "en",
+                "The geofence action is Return, but the home position is not set",
+                "",
+            ),
+            EventTexts::new(
+                "uk",
+                "Дія геозони — повернення, але домашню позицію не встановлено",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -5248,30 +4376,20 @@ impl Event for CheckGfViolationCustomGf {
         name: "check_gf_violation_custom_gf",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The vehicle is near or outside a geofence"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Апарат біля геозони або поза нею",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The vehicle is near or outside a geofence", ""),
+            EventTexts::new(
+                "uk",
+                "Апарат біля геозони або поза нею",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -5303,32 +4421,24 @@ impl Event for CheckGfViolationMaxAlt {
         name: "check_gf_violation_max_alt",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new(
-                    "The vehicle is higher above home than the geofence allows",
-                ),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Апарат вище над домашньою позицією, ніж дозволяє геозона",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new(
+                "en",
+                "The vehicle is higher above home than the geofence allows",
+                "",
+            ),
+            EventTexts::new(
+                "uk",
+                "Апарат вище над домашньою позицією, ніж дозволяє геозона",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -5360,32 +4470,24 @@ impl Event for CheckGfViolationMaxHorDist {
         name: "check_gf_violation_max_hor_dist",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new(
-                    "The vehicle is farther from home than the geofence allows",
-                ),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Апарат далі від домашньої позиції, ніж дозволяє геозона",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new(
+                "en",
+                "The vehicle is farther from home than the geofence allows",
+                "",
+            ),
+            EventTexts::new(
+                "uk",
+                "Апарат далі від домашньої позиції, ніж дозволяє геозона",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -5419,33 +4521,17 @@ impl Event for CheckGyroMissing {
         name: "check_gyro_missing",
         group: "health",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Gyroscope {3} was not found"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Гіроскоп {3} не знайдено"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Gyroscope {3} was not found", ""),
+            EventTexts::new("uk", "Гіроскоп {3} не знайдено", ""),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -5481,35 +4567,21 @@ impl Event for CheckGyroNoData {
         name: "check_gyro_no_data",
         group: "health",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Gyroscope {3} sends no valid data"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Гіроскоп {3} не надсилає достовірних даних",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Gyroscope {3} sends no valid data", ""),
+            EventTexts::new(
+                "uk",
+                "Гіроскоп {3} не надсилає достовірних даних",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -5545,35 +4617,21 @@ impl Event for CheckGyroNotCalibrated {
         name: "check_gyro_not_calibrated",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Gyroscope {3} has no calibration"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Гіроскоп {3} не відкалібровано",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Gyroscope {3} has no calibration", ""),
+            EventTexts::new(
+                "uk",
+                "Гіроскоп {3} не відкалібровано",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -5607,30 +4665,20 @@ impl Event for CheckHardfaultPresent {
         name: "check_hardfault_present",
         group: "health",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The SD card holds a crash dump of the firmware"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "SD-карта містить дамп збою прошивки",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The SD card holds a crash dump of the firmware", ""),
+            EventTexts::new(
+                "uk",
+                "SD-карта містить дамп збою прошивки",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -5659,24 +4707,10 @@ impl Event for CheckHighWindWarning {
         namespace: "px4",
         name: "check_high_wind_warning",
         group: "default",
-        arguments: &[
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::Float32,
-                labels: &[],
-            },
-        ],
+        arguments: &[ArgumentDescriptor::new("arg0", Scalar::Float32, &[])],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The wind is strong: {1:.1m/s}"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Сильний вітер: {1:.1m/s}"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The wind is strong: {1:.1m/s}", ""),
+            EventTexts::new("uk", "Сильний вітер: {1:.1m/s}", ""),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -5710,47 +4744,27 @@ impl Event for CheckImuAccelInconsistent {
         name: "check_imu_accel_inconsistent",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg1",
-                scalar: Scalar::Float32,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg2",
-                scalar: Scalar::Float32,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg1", Scalar::Float32, &[]),
+            ArgumentDescriptor::new("arg2", Scalar::Float32, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new(
-                    "Accelerometer {3} disagrees with the others ({4:.2}, limit {5:.2})",
-                ),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Акселерометр {3} розходиться з іншими ({4:.2}, межа {5:.2})",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new(
+                "en",
+                "Accelerometer {3} disagrees with the others ({4:.2}, limit {5:.2})",
+                "",
+            ),
+            EventTexts::new(
+                "uk",
+                "Акселерометр {3} розходиться з іншими ({4:.2}, межа {5:.2})",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -5794,47 +4808,27 @@ impl Event for CheckImuGyroInconsistent {
         name: "check_imu_gyro_inconsistent",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg1",
-                scalar: Scalar::Float32,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg2",
-                scalar: Scalar::Float32,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg1", Scalar::Float32, &[]),
+            ArgumentDescriptor::new("arg2", Scalar::Float32, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new(
-                    "Gyroscope {3} disagrees with the others ({4:.2}, limit {5:.2})",
-                ),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Гіроскоп {3} розходиться з іншими ({4:.2}, межа {5:.2})",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new(
+                "en",
+                "Gyroscope {3} disagrees with the others ({4:.2}, limit {5:.2})",
+                "",
+            ),
+            EventTexts::new(
+                "uk",
+                "Гіроскоп {3} розходиться з іншими ({4:.2}, межа {5:.2})",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -5874,35 +4868,21 @@ impl Event for CheckMagConsistency {
         name: "check_mag_consistency",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::Int16,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::Int16, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The compasses disagree by {3} degrees"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Розбіжність між компасами: {3}°",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The compasses disagree by {3} degrees", ""),
+            EventTexts::new(
+                "uk",
+                "Розбіжність між компасами: {3}°",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -5938,35 +4918,21 @@ impl Event for CheckMagFault {
         name: "check_mag_fault",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Compass {3} makes the estimator fail"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Компас {3} спричиняє збій оцінювача",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Compass {3} makes the estimator fail", ""),
+            EventTexts::new(
+                "uk",
+                "Компас {3} спричиняє збій оцінювача",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -6002,33 +4968,17 @@ impl Event for CheckMagMissing {
         name: "check_mag_missing",
         group: "health",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Compass {3} was not found"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Компас {3} не знайдено"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Compass {3} was not found", ""),
+            EventTexts::new("uk", "Компас {3} не знайдено", ""),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -6064,35 +5014,21 @@ impl Event for CheckMagNoData {
         name: "check_mag_no_data",
         group: "health",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Compass {3} sends no valid data"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Компас {3} не надсилає достовірних даних",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Compass {3} sends no valid data", ""),
+            EventTexts::new(
+                "uk",
+                "Компас {3} не надсилає достовірних даних",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -6128,33 +5064,21 @@ impl Event for CheckMagNotCalibrated {
         name: "check_mag_not_calibrated",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Compass {3} has no calibration"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Компас {3} не відкалібровано"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Compass {3} has no calibration", ""),
+            EventTexts::new(
+                "uk",
+                "Компас {3} не відкалібровано",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -6192,40 +5116,22 @@ impl Event for CheckMagSysHasMagMissing {
         name: "check_mag_sys_has_mag_missing",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg1",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg1", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("{3} of {4} required compasses were found"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Знайдено компасів: {3} з {4} потрібних",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "{3} of {4} required compasses were found", ""),
+            EventTexts::new(
+                "uk",
+                "Знайдено компасів: {3} з {4} потрібних",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -6261,30 +5167,20 @@ impl Event for CheckManControlKillEngaged {
         name: "check_man_control_kill_engaged",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The kill switch is on"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Аварійний вимикач активовано",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The kill switch is on", ""),
+            EventTexts::new(
+                "uk",
+                "Аварійний вимикач активовано",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -6316,30 +5212,20 @@ impl Event for CheckManControlLandingGearUp {
         name: "check_man_control_landing_gear_up",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The landing gear switch is at up"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Перемикач шасі в положенні «вгору»",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The landing gear switch is at up", ""),
+            EventTexts::new(
+                "uk",
+                "Перемикач шасі в положенні «вгору»",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -6371,30 +5257,20 @@ impl Event for CheckManControlRtlEngaged {
         name: "check_man_control_rtl_engaged",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The return switch is on"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Перемикач повернення увімкнено",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The return switch is on", ""),
+            EventTexts::new(
+                "uk",
+                "Перемикач повернення увімкнено",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -6426,30 +5302,20 @@ impl Event for CheckMissingCpuload {
         name: "check_missing_cpuload",
         group: "health",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The processor load is unknown"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Навантаження процесора невідоме",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The processor load is unknown", ""),
+            EventTexts::new(
+                "uk",
+                "Навантаження процесора невідоме",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -6481,28 +5347,16 @@ impl Event for CheckMissingFmuSdcard {
         name: "check_missing_fmu_sdcard",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The autopilot has no SD card"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("В автопілоті немає SD-карти"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The autopilot has no SD card", ""),
+            EventTexts::new("uk", "В автопілоті немає SD-карти", ""),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -6534,28 +5388,16 @@ impl Event for CheckMissingSystemPower {
         name: "check_missing_system_power",
         group: "health",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The supply voltage is unknown"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Напруга живлення невідома"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The supply voltage is unknown", ""),
+            EventTexts::new("uk", "Напруга живлення невідома", ""),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -6587,28 +5429,20 @@ impl Event for CheckMissionFailure {
         name: "check_mission_failure",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Mission cannot continue"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Місію неможливо продовжити"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Mission cannot continue", ""),
+            EventTexts::new(
+                "uk",
+                "Місію неможливо продовжити",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -6640,30 +5474,20 @@ impl Event for CheckModesAngularVelocity {
         name: "check_modes_angular_velocity",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("No valid angular velocity"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Немає достовірної кутової швидкості",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "No valid angular velocity", ""),
+            EventTexts::new(
+                "uk",
+                "Немає достовірної кутової швидкості",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -6695,30 +5519,20 @@ impl Event for CheckModesAttitude {
         name: "check_modes_attitude",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("No valid attitude"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Немає достовірної орієнтації",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "No valid attitude", ""),
+            EventTexts::new(
+                "uk",
+                "Немає достовірної орієнтації",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -6750,30 +5564,20 @@ impl Event for CheckModesCannotTakeoff {
         name: "check_modes_cannot_takeoff",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The vehicle can't arm in this mode"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Озброєння неможливе в цьому режимі",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The vehicle can't arm in this mode", ""),
+            EventTexts::new(
+                "uk",
+                "Озброєння неможливе в цьому режимі",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -6805,30 +5609,20 @@ impl Event for CheckModesGlobalPos {
         name: "check_modes_global_pos",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("No valid global position"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Немає достовірної глобальної позиції",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "No valid global position", ""),
+            EventTexts::new(
+                "uk",
+                "Немає достовірної глобальної позиції",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -6860,30 +5654,20 @@ impl Event for CheckModesHomePosition {
         name: "check_modes_home_position",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Home position not set"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Домашню позицію не встановлено",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Home position not set", ""),
+            EventTexts::new(
+                "uk",
+                "Домашню позицію не встановлено",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -6915,30 +5699,20 @@ impl Event for CheckModesLocalAlt {
         name: "check_modes_local_alt",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("No valid local altitude"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Немає достовірної локальної висоти",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "No valid local altitude", ""),
+            EventTexts::new(
+                "uk",
+                "Немає достовірної локальної висоти",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -6970,30 +5744,20 @@ impl Event for CheckModesLocalPos {
         name: "check_modes_local_pos",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("No valid local position"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Немає достовірної локальної позиції",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "No valid local position", ""),
+            EventTexts::new(
+                "uk",
+                "Немає достовірної локальної позиції",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -7025,28 +5789,16 @@ impl Event for CheckModesManualControl {
         name: "check_modes_manual_control",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("No manual control input"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Немає ручного керування"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "No manual control input", ""),
+            EventTexts::new("uk", "Немає ручного керування", ""),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -7078,28 +5830,16 @@ impl Event for CheckModesMission {
         name: "check_modes_mission",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("There is no valid mission"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Немає дійсної місії"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "There is no valid mission", ""),
+            EventTexts::new("uk", "Немає дійсної місії", ""),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -7131,32 +5871,24 @@ impl Event for CheckModesOffboardSignal {
         name: "check_modes_offboard_signal",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new(
-                    "No offboard signal: setpoints or a required estimate are missing",
-                ),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Немає сигналу offboard: бракує заданих значень або потрібної оцінки",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new(
+                "en",
+                "No offboard signal: setpoints or a required estimate are missing",
+                "",
+            ),
+            EventTexts::new(
+                "uk",
+                "Немає сигналу offboard: бракує заданих значень або потрібної оцінки",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -7188,30 +5920,20 @@ impl Event for CheckOpenDroneIdMissing {
         name: "check_open_drone_id_missing",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("No Open Drone ID device was found"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Пристрій Open Drone ID не знайдено",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "No Open Drone ID device was found", ""),
+            EventTexts::new(
+                "uk",
+                "Пристрій Open Drone ID не знайдено",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -7243,28 +5965,20 @@ impl Event for CheckOpenDroneIdUnhealthy {
         name: "check_open_drone_id_unhealthy",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The Open Drone ID device isn't ready"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Пристрій Open Drone ID не готовий"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The Open Drone ID device isn't ready", ""),
+            EventTexts::new(
+                "uk",
+                "Пристрій Open Drone ID не готовий",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -7296,28 +6010,16 @@ impl Event for CheckParachuteMissing {
         name: "check_parachute_missing",
         group: "health",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The parachute was not found"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Парашут не знайдено"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The parachute was not found", ""),
+            EventTexts::new("uk", "Парашут не знайдено", ""),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -7349,28 +6051,16 @@ impl Event for CheckParachuteUnhealthy {
         name: "check_parachute_unhealthy",
         group: "health",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The parachute isn't ready"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Парашут не готовий"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The parachute isn't ready", ""),
+            EventTexts::new("uk", "Парашут не готовий", ""),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -7402,30 +6092,20 @@ impl Event for CheckRcDlNoDllink {
         name: "check_rc_dl_no_dllink",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("No ground station link"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Немає зв’язку з наземною станцією",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "No ground station link", ""),
+            EventTexts::new(
+                "uk",
+                "Немає зв’язку з наземною станцією",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -7461,40 +6141,22 @@ impl Event for CheckRcDzTooHigh {
         name: "check_rc_dz_too_high",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg1",
-                scalar: Scalar::UInt16,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg1", Scalar::UInt16, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("RC channel {3}: the dead zone is wider than {4}"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Канал RC {3}: мертва зона ширша за {4}",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "RC channel {3}: the dead zone is wider than {4}", ""),
+            EventTexts::new(
+                "uk",
+                "Канал RC {3}: мертва зона ширша за {4}",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -7534,40 +6196,22 @@ impl Event for CheckRcMaxTooHigh {
         name: "check_rc_max_too_high",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg1",
-                scalar: Scalar::UInt16,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg1", Scalar::UInt16, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("RC channel {3}: the maximum is above {4}"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Канал RC {3}: максимум більший за {4}",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "RC channel {3}: the maximum is above {4}", ""),
+            EventTexts::new(
+                "uk",
+                "Канал RC {3}: максимум більший за {4}",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -7607,40 +6251,22 @@ impl Event for CheckRcMinTooSmall {
         name: "check_rc_min_too_small",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg1",
-                scalar: Scalar::UInt16,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg1", Scalar::UInt16, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("RC channel {3}: the minimum is below {4}"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Канал RC {3}: мінімум менший за {4}",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "RC channel {3}: the minimum is below {4}", ""),
+            EventTexts::new(
+                "uk",
+                "Канал RC {3}: мінімум менший за {4}",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -7682,47 +6308,27 @@ impl Event for CheckRcTrimTooHigh {
         name: "check_rc_trim_too_high",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg1",
-                scalar: Scalar::Int16,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg2",
-                scalar: Scalar::Int16,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg1", Scalar::Int16, &[]),
+            ArgumentDescriptor::new("arg2", Scalar::Int16, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new(
-                    "RC channel {3}: the trim {4} is above the maximum {5}",
-                ),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Канал RC {3}: трим {4} більший за максимум {5}",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new(
+                "en",
+                "RC channel {3}: the trim {4} is above the maximum {5}",
+                "",
+            ),
+            EventTexts::new(
+                "uk",
+                "Канал RC {3}: трим {4} більший за максимум {5}",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -7766,47 +6372,27 @@ impl Event for CheckRcTrimTooSmall {
         name: "check_rc_trim_too_small",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg1",
-                scalar: Scalar::Int16,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg2",
-                scalar: Scalar::Int16,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg1", Scalar::Int16, &[]),
+            ArgumentDescriptor::new("arg2", Scalar::Int16, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new(
-                    "RC channel {3}: the trim {4} is below the minimum {5}",
-                ),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Канал RC {3}: трим {4} менший за мінімум {5}",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new(
+                "en",
+                "RC channel {3}: the trim {4} is below the minimum {5}",
+                "",
+            ),
+            EventTexts::new(
+                "uk",
+                "Канал RC {3}: трим {4} менший за мінімум {5}",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -7844,30 +6430,20 @@ impl Event for CheckSystemArmAuthFailed {
         name: "check_system_arm_auth_failed",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The permission to arm was denied"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "У дозволі на озброєння відмовлено",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The permission to arm was denied", ""),
+            EventTexts::new(
+                "uk",
+                "У дозволі на озброєння відмовлено",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -7899,30 +6475,20 @@ impl Event for CheckSystemAvoidanceNotReady {
         name: "check_system_avoidance_not_ready",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Obstacle avoidance isn't ready"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Система обходу перешкод не готова",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Obstacle avoidance isn't ready", ""),
+            EventTexts::new(
+                "uk",
+                "Система обходу перешкод не готова",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -7954,28 +6520,16 @@ impl Event for CheckSystemFlightTermActive {
         name: "check_system_flight_term_active",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The flight is terminated"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Політ аварійно припинено"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The flight is terminated", ""),
+            EventTexts::new("uk", "Політ аварійно припинено", ""),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -8007,28 +6561,20 @@ impl Event for CheckSystemNoGlobalPos {
         name: "check_system_no_global_pos",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("A global position is required"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Потрібна глобальна позиція"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "A global position is required", ""),
+            EventTexts::new(
+                "uk",
+                "Потрібна глобальна позиція",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -8060,28 +6606,16 @@ impl Event for CheckSystemNoHomePos {
         name: "check_system_no_home_pos",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("A home position is required"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Потрібна домашня позиція"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "A home position is required", ""),
+            EventTexts::new("uk", "Потрібна домашня позиція", ""),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -8113,30 +6647,20 @@ impl Event for CheckSystemSafetyButton {
         name: "check_system_safety_button",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The safety button has not been pressed"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Кнопку безпеки не натиснуто",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The safety button has not been pressed", ""),
+            EventTexts::new(
+                "uk",
+                "Кнопку безпеки не натиснуто",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -8168,28 +6692,16 @@ impl Event for CheckSystemUsbConnected {
         name: "check_system_usb_connected",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("A USB cable is connected"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Під’єднано USB-кабель"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "A USB cable is connected", ""),
+            EventTexts::new("uk", "Під’єднано USB-кабель", ""),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -8221,30 +6733,20 @@ impl Event for CheckSystemVtolInFwMode {
         name: "check_system_vtol_in_fw_mode",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The VTOL isn't in multicopter mode"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "VTOL не в мультикоптерному режимі",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The VTOL isn't in multicopter mode", ""),
+            EventTexts::new(
+                "uk",
+                "VTOL не в мультикоптерному режимі",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -8276,30 +6778,20 @@ impl Event for CheckSystemVtolInTransition {
         name: "check_system_vtol_in_transition",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The VTOL is in transition"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "VTOL виконує перехід між режимами",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The VTOL is in transition", ""),
+            EventTexts::new(
+                "uk",
+                "VTOL виконує перехід між режимами",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -8331,30 +6823,20 @@ impl Event for CheckVtolFixedWingSystemFailure {
         name: "check_vtol_fixed_wing_system_failure",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Fixed-wing system of the VTOL failed"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Відмова літакової системи VTOL",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Fixed-wing system of the VTOL failed", ""),
+            EventTexts::new(
+                "uk",
+                "Відмова літакової системи VTOL",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -8388,33 +6870,21 @@ impl Event for CheckWindTooHigh {
         name: "check_wind_too_high",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "modes",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "health_component_index",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::Float32,
-                labels: &[],
-            },
+            ArgumentDescriptor::new(
+                "modes",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new("health_component_index", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("arg0", Scalar::Float32, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The wind is above the limit: {3:.1m/s}"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Вітер перевищує межу: {3:.1m/s}"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The wind is above the limit: {3:.1m/s}", ""),
+            EventTexts::new(
+                "uk",
+                "Вітер перевищує межу: {3:.1m/s}",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -8444,18 +6914,12 @@ impl Event for CommanderArmDeniedCalibrating {
         group: "default",
         arguments: &[],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Can't arm during a calibration"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Озброєння неможливе під час калібрування",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Can't arm during a calibration", ""),
+            EventTexts::new(
+                "uk",
+                "Озброєння неможливе під час калібрування",
+                "",
+            ),
         ],
     };
     fn read(_source: &mut ArgumentReader<'_>) -> Self {
@@ -8477,20 +6941,16 @@ impl Event for CommanderArmDeniedNotManual {
         group: "default",
         arguments: &[],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new(
-                    "Can't arm by remote control: select a manual mode first",
-                ),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Озброєння з пульта неможливе: спочатку виберіть ручний режим",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new(
+                "en",
+                "Can't arm by remote control: select a manual mode first",
+                "",
+            ),
+            EventTexts::new(
+                "uk",
+                "Озброєння з пульта неможливе: спочатку виберіть ручний режим",
+                "",
+            ),
         ],
     };
     fn read(_source: &mut ArgumentReader<'_>) -> Self {
@@ -8512,18 +6972,12 @@ impl Event for CommanderArmDeniedThrottleCenter {
         group: "default",
         arguments: &[],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Can't arm: the throttle is above its centre"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Озброєння неможливе: газ вище середини",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Can't arm: the throttle is above its centre", ""),
+            EventTexts::new(
+                "uk",
+                "Озброєння неможливе: газ вище середини",
+                "",
+            ),
         ],
     };
     fn read(_source: &mut ArgumentReader<'_>) -> Self {
@@ -8545,18 +6999,12 @@ impl Event for CommanderArmDeniedThrottleHigh {
         group: "default",
         arguments: &[],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Can't arm: the throttle is too high"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Озброєння неможливе: газ зависокий",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Can't arm: the throttle is too high", ""),
+            EventTexts::new(
+                "uk",
+                "Озброєння неможливе: газ зависокий",
+                "",
+            ),
         ],
     };
     fn read(_source: &mut ArgumentReader<'_>) -> Self {
@@ -8580,23 +7028,11 @@ impl Event for CommanderArmedBy {
         name: "commander_armed_by",
         group: "default",
         arguments: &[
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt8,
-                labels: ArmDisarmReason::LABELS,
-            },
+            ArgumentDescriptor::new("arg0", Scalar::UInt8, ArmDisarmReason::LABELS),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Armed: {1}"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Озброєно: {1}"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Armed: {1}", ""),
+            EventTexts::new("uk", "Озброєно: {1}", ""),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -8632,45 +7068,27 @@ impl Event for CommanderArmingCheckSummary {
         name: "commander_arming_check_summary",
         group: "arming_check",
         arguments: &[
-            ArgumentDescriptor {
-                name: "chunk_idx",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "error",
-                scalar: Scalar::UInt32,
-                labels: HealthComponent::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "warning",
-                scalar: Scalar::UInt32,
-                labels: HealthComponent::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "can_arm",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "can_run",
-                scalar: Scalar::UInt32,
-                labels: NavigationModeGroup::LABELS,
-            },
+            ArgumentDescriptor::new("chunk_idx", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new("error", Scalar::UInt32, HealthComponent::LABELS),
+            ArgumentDescriptor::new("warning", Scalar::UInt32, HealthComponent::LABELS),
+            ArgumentDescriptor::new(
+                "can_arm",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
+            ArgumentDescriptor::new(
+                "can_run",
+                Scalar::UInt32,
+                NavigationModeGroup::LABELS,
+            ),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Summary of the arming checks"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Підсумок перевірок озброєння",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Summary of the arming checks", ""),
+            EventTexts::new(
+                "uk",
+                "Підсумок перевірок озброєння",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -8704,18 +7122,12 @@ impl Event for CommanderDisarmDeniedNotLanded {
         group: "default",
         arguments: &[],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Can't disarm in the air"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Роззброєння неможливе в повітрі",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Can't disarm in the air", ""),
+            EventTexts::new(
+                "uk",
+                "Роззброєння неможливе в повітрі",
+                "",
+            ),
         ],
     };
     fn read(_source: &mut ArgumentReader<'_>) -> Self {
@@ -8739,23 +7151,11 @@ impl Event for CommanderDisarmedBy {
         name: "commander_disarmed_by",
         group: "default",
         arguments: &[
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt8,
-                labels: ArmDisarmReason::LABELS,
-            },
+            ArgumentDescriptor::new("arg0", Scalar::UInt8, ArmDisarmReason::LABELS),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Disarmed: {1}"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Роззброєно: {1}"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Disarmed: {1}", ""),
+            EventTexts::new("uk", "Роззброєно: {1}", ""),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -8781,18 +7181,12 @@ impl Event for CommanderDlRegained {
         group: "default",
         arguments: &[],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Ground station link regained"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Зв’язок із наземною станцією відновлено",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Ground station link regained", ""),
+            EventTexts::new(
+                "uk",
+                "Зв’язок із наземною станцією відновлено",
+                "",
+            ),
         ],
     };
     fn read(_source: &mut ArgumentReader<'_>) -> Self {
@@ -8820,33 +7214,17 @@ impl Event for CommanderFailsafeEnter {
         name: "commander_failsafe_enter",
         group: "default",
         arguments: &[
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt32,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg1",
-                scalar: Scalar::UInt8,
-                labels: FailsafeAction::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "arg2",
-                scalar: Scalar::UInt8,
-                labels: FailsafeCause::LABELS,
-            },
+            ArgumentDescriptor::new("arg0", Scalar::UInt32, &[]),
+            ArgumentDescriptor::new("arg1", Scalar::UInt8, FailsafeAction::LABELS),
+            ArgumentDescriptor::new("arg2", Scalar::UInt8, FailsafeCause::LABELS),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Failsafe: {3}. Action: {2}"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Аварійний захист: {3}. Дія: {2}"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Failsafe: {3}. Action: {2}", ""),
+            EventTexts::new(
+                "uk",
+                "Аварійний захист: {3}. Дія: {2}",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -8876,18 +7254,12 @@ impl Event for CommanderFailsafeEnterCritBatWarn {
         group: "default",
         arguments: &[],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Critical battery level: land now"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Критичний заряд батареї: сідайте зараз",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Critical battery level: land now", ""),
+            EventTexts::new(
+                "uk",
+                "Критичний заряд батареї: сідайте зараз",
+                "",
+            ),
         ],
     };
     fn read(_source: &mut ArgumentReader<'_>) -> Self {
@@ -8909,18 +7281,12 @@ impl Event for CommanderFailsafeEnterCritLowBatWarn {
         group: "default",
         arguments: &[],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Emergency battery level: land immediately"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Аварійний заряд батареї: сідайте негайно",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Emergency battery level: land immediately", ""),
+            EventTexts::new(
+                "uk",
+                "Аварійний заряд батареї: сідайте негайно",
+                "",
+            ),
         ],
     };
     fn read(_source: &mut ArgumentReader<'_>) -> Self {
@@ -8946,28 +7312,12 @@ impl Event for CommanderFailsafeEnterGeneric {
         name: "commander_failsafe_enter_generic",
         group: "default",
         arguments: &[
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt32,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg1",
-                scalar: Scalar::UInt8,
-                labels: FailsafeAction::LABELS,
-            },
+            ArgumentDescriptor::new("arg0", Scalar::UInt32, &[]),
+            ArgumentDescriptor::new("arg1", Scalar::UInt8, FailsafeAction::LABELS),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Failsafe: {2}"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Аварійний режим, дія: {2}"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Failsafe: {2}", ""),
+            EventTexts::new("uk", "Аварійний режим, дія: {2}", ""),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -9001,35 +7351,17 @@ impl Event for CommanderFailsafeEnterGenericHold {
         name: "commander_failsafe_enter_generic_hold",
         group: "default",
         arguments: &[
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt32,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg1",
-                scalar: Scalar::UInt8,
-                labels: FailsafeAction::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "arg2",
-                scalar: Scalar::UInt16,
-                labels: &[],
-            },
+            ArgumentDescriptor::new("arg0", Scalar::UInt32, &[]),
+            ArgumentDescriptor::new("arg1", Scalar::UInt8, FailsafeAction::LABELS),
+            ArgumentDescriptor::new("arg2", Scalar::UInt16, &[]),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Failsafe: {2} in {3} s"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Аварійний режим, дія: {2} через {3} с",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Failsafe: {2} in {3} s", ""),
+            EventTexts::new(
+                "uk",
+                "Аварійний режим, дія: {2} через {3} с",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -9060,26 +7392,14 @@ impl Event for CommanderFailsafeEnterGenericWarn {
         namespace: "px4",
         name: "commander_failsafe_enter_generic_warn",
         group: "default",
-        arguments: &[
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt32,
-                labels: &[],
-            },
-        ],
+        arguments: &[ArgumentDescriptor::new("arg0", Scalar::UInt32, &[])],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Failsafe: warning only"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Аварійний режим: лише попередження",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Failsafe: warning only", ""),
+            EventTexts::new(
+                "uk",
+                "Аварійний режим: лише попередження",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -9111,40 +7431,18 @@ impl Event for CommanderFailsafeEnterHold {
         name: "commander_failsafe_enter_hold",
         group: "default",
         arguments: &[
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt32,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg1",
-                scalar: Scalar::UInt8,
-                labels: FailsafeAction::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "arg2",
-                scalar: Scalar::UInt16,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg3",
-                scalar: Scalar::UInt8,
-                labels: FailsafeCause::LABELS,
-            },
+            ArgumentDescriptor::new("arg0", Scalar::UInt32, &[]),
+            ArgumentDescriptor::new("arg1", Scalar::UInt8, FailsafeAction::LABELS),
+            ArgumentDescriptor::new("arg2", Scalar::UInt16, &[]),
+            ArgumentDescriptor::new("arg3", Scalar::UInt8, FailsafeCause::LABELS),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Failsafe: {4}. Action in {3} s: {2}"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Аварійний захист: {4}. Дія за {3} с: {2}",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Failsafe: {4}. Action in {3} s: {2}", ""),
+            EventTexts::new(
+                "uk",
+                "Аварійний захист: {4}. Дія за {3} с: {2}",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -9176,18 +7474,12 @@ impl Event for CommanderFailsafeEnterLowBat {
         group: "default",
         arguments: &[],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Battery charge is low: return advised"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Заряд батареї низький: радимо повернутися",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Battery charge is low: return advised", ""),
+            EventTexts::new(
+                "uk",
+                "Заряд батареї низький: радимо повернутися",
+                "",
+            ),
         ],
     };
     fn read(_source: &mut ArgumentReader<'_>) -> Self {
@@ -9213,30 +7505,16 @@ impl Event for CommanderFailsafeEnterWarn {
         name: "commander_failsafe_enter_warn",
         group: "default",
         arguments: &[
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt32,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg1",
-                scalar: Scalar::UInt8,
-                labels: FailsafeCause::LABELS,
-            },
+            ArgumentDescriptor::new("arg0", Scalar::UInt32, &[]),
+            ArgumentDescriptor::new("arg1", Scalar::UInt8, FailsafeCause::LABELS),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Failsafe warning: {2}"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Попередження аварійного режиму: {2}",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Failsafe warning: {2}", ""),
+            EventTexts::new(
+                "uk",
+                "Попередження аварійного режиму: {2}",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -9264,18 +7542,12 @@ impl Event for CommanderGcsLost {
         group: "default",
         arguments: &[],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Ground station link lost"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Втрачено зв’язок із наземною станцією",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Ground station link lost", ""),
+            EventTexts::new(
+                "uk",
+                "Втрачено зв’язок із наземною станцією",
+                "",
+            ),
         ],
     };
     fn read(_source: &mut ArgumentReader<'_>) -> Self {
@@ -9305,40 +7577,22 @@ impl Event for CommanderHealthSummary {
         name: "commander_health_summary",
         group: "health",
         arguments: &[
-            ArgumentDescriptor {
-                name: "chunk_idx",
-                scalar: Scalar::UInt8,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "is_present",
-                scalar: Scalar::UInt32,
-                labels: HealthComponent::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "error",
-                scalar: Scalar::UInt32,
-                labels: HealthComponent::LABELS,
-            },
-            ArgumentDescriptor {
-                name: "warning",
-                scalar: Scalar::UInt32,
-                labels: HealthComponent::LABELS,
-            },
+            ArgumentDescriptor::new("chunk_idx", Scalar::UInt8, &[]),
+            ArgumentDescriptor::new(
+                "is_present",
+                Scalar::UInt32,
+                HealthComponent::LABELS,
+            ),
+            ArgumentDescriptor::new("error", Scalar::UInt32, HealthComponent::LABELS),
+            ArgumentDescriptor::new("warning", Scalar::UInt32, HealthComponent::LABELS),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Summary of the vehicle's health"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Підсумок справності апарата",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Summary of the vehicle's health", ""),
+            EventTexts::new(
+                "uk",
+                "Підсумок справності апарата",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -9370,18 +7624,12 @@ impl Event for CommanderHighLatencyLost {
         group: "default",
         arguments: &[],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The high-latency link is lost"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Втрачено канал зв’язку з великою затримкою",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The high-latency link is lost", ""),
+            EventTexts::new(
+                "uk",
+                "Втрачено канал зв’язку з великою затримкою",
+                "",
+            ),
         ],
     };
     fn read(_source: &mut ArgumentReader<'_>) -> Self {
@@ -9403,18 +7651,12 @@ impl Event for CommanderKillSwDisengaged {
         group: "default",
         arguments: &[],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The kill switch is off again"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Аварійний вимикач деактивовано",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The kill switch is off again", ""),
+            EventTexts::new(
+                "uk",
+                "Аварійний вимикач деактивовано",
+                "",
+            ),
         ],
     };
     fn read(_source: &mut ArgumentReader<'_>) -> Self {
@@ -9436,18 +7678,12 @@ impl Event for CommanderKillSwEngaged {
         group: "default",
         arguments: &[],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The kill switch stops the motors"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Аварійний вимикач зупиняє мотори",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The kill switch stops the motors", ""),
+            EventTexts::new(
+                "uk",
+                "Аварійний вимикач зупиняє мотори",
+                "",
+            ),
         ],
     };
     fn read(_source: &mut ArgumentReader<'_>) -> Self {
@@ -9469,16 +7705,8 @@ impl Event for CommanderLandingDetected {
         group: "default",
         arguments: &[],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Landed"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Апарат сів"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Landed", ""),
+            EventTexts::new("uk", "Апарат сів", ""),
         ],
     };
     fn read(_source: &mut ArgumentReader<'_>) -> Self {
@@ -9500,18 +7728,12 @@ impl Event for CommanderLowBatShutdown {
         group: "default",
         arguments: &[],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Dangerously low battery: the system shuts down"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Небезпечно низький заряд батареї: система вимикається",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Dangerously low battery: the system shuts down", ""),
+            EventTexts::new(
+                "uk",
+                "Небезпечно низький заряд батареї: система вимикається",
+                "",
+            ),
         ],
     };
     fn read(_source: &mut ArgumentReader<'_>) -> Self {
@@ -9533,20 +7755,16 @@ impl Event for CommanderLowBatShutdownFailed {
         group: "default",
         arguments: &[],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new(
-                    "Dangerously low battery, but the system can't shut down",
-                ),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Небезпечно низький заряд батареї, але система не може вимкнутися",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new(
+                "en",
+                "Dangerously low battery, but the system can't shut down",
+                "",
+            ),
+            EventTexts::new(
+                "uk",
+                "Небезпечно низький заряд батареї, але система не може вимкнутися",
+                "",
+            ),
         ],
     };
     fn read(_source: &mut ArgumentReader<'_>) -> Self {
@@ -9569,28 +7787,18 @@ impl Event for CommanderMaxFlightTimeWarningMinutes {
         namespace: "px4",
         name: "commander_max_flight_time_warning_minutes",
         group: "default",
-        arguments: &[
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::Int16,
-                labels: &[],
-            },
-        ],
+        arguments: &[ArgumentDescriptor::new("arg0", Scalar::Int16, &[])],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new(
-                    "Near the flight time limit: the vehicle returns in {1} min",
-                ),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Граничний час польоту близько: апарат повернеться через {1} хв",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new(
+                "en",
+                "Near the flight time limit: the vehicle returns in {1} min",
+                "",
+            ),
+            EventTexts::new(
+                "uk",
+                "Граничний час польоту близько: апарат повернеться через {1} хв",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -9615,28 +7823,18 @@ impl Event for CommanderMaxFlightTimeWarningSeconds {
         namespace: "px4",
         name: "commander_max_flight_time_warning_seconds",
         group: "default",
-        arguments: &[
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::Int16,
-                labels: &[],
-            },
-        ],
+        arguments: &[ArgumentDescriptor::new("arg0", Scalar::Int16, &[])],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new(
-                    "Near the flight time limit: the vehicle returns in {1} s",
-                ),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Граничний час польоту близько: апарат повернеться через {1} с",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new(
+                "en",
+                "Near the flight time limit: the vehicle returns in {1} s",
+                "",
+            ),
+            EventTexts::new(
+                "uk",
+                "Граничний час польоту близько: апарат повернеться через {1} с",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -9660,18 +7858,12 @@ impl Event for CommanderMissionCompLost {
         group: "default",
         arguments: &[],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Connection to the onboard computer lost"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Втрачено зв’язок із бортовим комп’ютером",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Connection to the onboard computer lost", ""),
+            EventTexts::new(
+                "uk",
+                "Втрачено зв’язок із бортовим комп’ютером",
+                "",
+            ),
         ],
     };
     fn read(_source: &mut ArgumentReader<'_>) -> Self {
@@ -9693,18 +7885,12 @@ impl Event for CommanderMissionStartDeniedNoMission {
         group: "default",
         arguments: &[],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Can't start: there is no valid mission"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Неможливо почати: немає дійсної місії",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Can't start: there is no valid mission", ""),
+            EventTexts::new(
+                "uk",
+                "Неможливо почати: немає дійсної місії",
+                "",
+            ),
         ],
     };
     fn read(_source: &mut ArgumentReader<'_>) -> Self {
@@ -9726,20 +7912,16 @@ impl Event for CommanderModeFallbackInternal {
         group: "default",
         arguments: &[],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new(
-                    "The external mode doesn't answer: PX4's own mode replaces it",
-                ),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Зовнішній режим не відповідає: його замінює власний режим PX4",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new(
+                "en",
+                "The external mode doesn't answer: PX4's own mode replaces it",
+                "",
+            ),
+            EventTexts::new(
+                "uk",
+                "Зовнішній режим не відповідає: його замінює власний режим PX4",
+                "",
+            ),
         ],
     };
     fn read(_source: &mut ArgumentReader<'_>) -> Self {
@@ -9765,30 +7947,16 @@ impl Event for CommanderModeswitchNotAvail {
         name: "commander_modeswitch_not_avail",
         group: "default",
         arguments: &[
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::UInt32,
-                labels: &[],
-            },
-            ArgumentDescriptor {
-                name: "arg1",
-                scalar: Scalar::UInt8,
-                labels: NavigationMode::LABELS,
-            },
+            ArgumentDescriptor::new("arg0", Scalar::UInt32, &[]),
+            ArgumentDescriptor::new("arg1", Scalar::UInt8, NavigationMode::LABELS),
         ],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Can't switch to {2} now"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Зараз неможливо перейти в режим «{2}»",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Can't switch to {2} now", ""),
+            EventTexts::new(
+                "uk",
+                "Зараз неможливо перейти в режим «{2}»",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -9816,18 +7984,12 @@ impl Event for CommanderOnboardCtrlRegained {
         group: "default",
         arguments: &[],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Connection to the onboard computer regained"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Зв’язок із бортовим комп’ютером відновлено",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Connection to the onboard computer regained", ""),
+            EventTexts::new(
+                "uk",
+                "Зв’язок із бортовим комп’ютером відновлено",
+                "",
+            ),
         ],
     };
     fn read(_source: &mut ArgumentReader<'_>) -> Self {
@@ -9849,18 +8011,12 @@ impl Event for CommanderOpenDroneIdLost {
         group: "default",
         arguments: &[],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The Open Drone ID device is lost"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Втрачено зв’язок із пристроєм Open Drone ID",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The Open Drone ID device is lost", ""),
+            EventTexts::new(
+                "uk",
+                "Втрачено зв’язок із пристроєм Open Drone ID",
+                "",
+            ),
         ],
     };
     fn read(_source: &mut ArgumentReader<'_>) -> Self {
@@ -9882,18 +8038,12 @@ impl Event for CommanderOpenDroneIdRegained {
         group: "default",
         arguments: &[],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The Open Drone ID device is connected again"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Зв’язок із пристроєм Open Drone ID відновлено",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The Open Drone ID device is connected again", ""),
+            EventTexts::new(
+                "uk",
+                "Зв’язок із пристроєм Open Drone ID відновлено",
+                "",
+            ),
         ],
     };
     fn read(_source: &mut ArgumentReader<'_>) -> Self {
@@ -9915,18 +8065,12 @@ impl Event for CommanderParachuteRegained {
         group: "default",
         arguments: &[],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The parachute is connected again"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Зв’язок із парашутом відновлено",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The parachute is connected again", ""),
+            EventTexts::new(
+                "uk",
+                "Зв’язок із парашутом відновлено",
+                "",
+            ),
         ],
     };
     fn read(_source: &mut ArgumentReader<'_>) -> Self {
@@ -9948,16 +8092,8 @@ impl Event for CommanderRcLost {
         group: "default",
         arguments: &[],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Manual control input lost"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Втрачено ручне керування"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Manual control input lost", ""),
+            EventTexts::new("uk", "Втрачено ручне керування", ""),
         ],
     };
     fn read(_source: &mut ArgumentReader<'_>) -> Self {
@@ -9979,18 +8115,12 @@ impl Event for CommanderRcOverride {
         group: "default",
         arguments: &[],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The pilot took over with the sticks"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Пілот перехопив керування стіками",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The pilot took over with the sticks", ""),
+            EventTexts::new(
+                "uk",
+                "Пілот перехопив керування стіками",
+                "",
+            ),
         ],
     };
     fn read(_source: &mut ArgumentReader<'_>) -> Self {
@@ -10013,26 +8143,14 @@ impl Event for CommanderRcRegained {
         namespace: "px4",
         name: "commander_rc_regained",
         group: "default",
-        arguments: &[
-            ArgumentDescriptor {
-                name: "arg0",
-                scalar: Scalar::Float32,
-                labels: &[],
-            },
-        ],
+        arguments: &[ArgumentDescriptor::new("arg0", Scalar::Float32, &[])],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Manual control input regained after {1:.1} s"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Ручне керування відновлено через {1:.1} с",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Manual control input regained after {1:.1} s", ""),
+            EventTexts::new(
+                "uk",
+                "Ручне керування відновлено через {1:.1} с",
+                "",
+            ),
         ],
     };
     fn read(source: &mut ArgumentReader<'_>) -> Self {
@@ -10056,16 +8174,8 @@ impl Event for CommanderRtl {
         group: "default",
         arguments: &[],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The vehicle returns"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Апарат повертається"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The vehicle returns", ""),
+            EventTexts::new("uk", "Апарат повертається", ""),
         ],
     };
     fn read(_source: &mut ArgumentReader<'_>) -> Self {
@@ -10087,16 +8197,8 @@ impl Event for CommanderTakeoffDetected {
         group: "default",
         arguments: &[],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("Took off"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new("Апарат злетів"),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "Took off", ""),
+            EventTexts::new("uk", "Апарат злетів", ""),
         ],
     };
     fn read(_source: &mut ArgumentReader<'_>) -> Self {
@@ -10118,18 +8220,12 @@ impl Event for FailsafeRcOverride {
         group: "default",
         arguments: &[],
         texts: &[
-            EventTexts {
-                language: "en",
-                message: Text::new("The pilot took over with the sticks"),
-                description: Text::new(""),
-            },
-            EventTexts {
-                language: "uk",
-                message: Text::new(
-                    "Пілот перехопив керування стіками",
-                ),
-                description: Text::new(""),
-            },
+            EventTexts::new("en", "The pilot took over with the sticks", ""),
+            EventTexts::new(
+                "uk",
+                "Пілот перехопив керування стіками",
+                "",
+            ),
         ],
     };
     fn read(_source: &mut ArgumentReader<'_>) -> Self {

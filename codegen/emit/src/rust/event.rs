@@ -201,21 +201,15 @@ impl Emitter<'_> {
             } else {
                 quote!(&[])
             };
-            quote!(::uavspec_runtime::event::ArgumentDescriptor {
-                name: #name,
-                scalar: ::uavspec_runtime::Scalar::#scalar,
-                labels: #labels,
-            })
+            quote!(::uavspec_runtime::event::ArgumentDescriptor::new(
+                #name, ::uavspec_runtime::Scalar::#scalar, #labels
+            ))
         });
         let key = event_key(self.package, component, &event.name);
         let texts = self.languages().map(|(tag, language)| {
             let message = translated(language, &key, &event.message);
             let description = translated(language, &format!("{key}/description"), &event.description);
-            quote!(::uavspec_runtime::event::EventTexts {
-                language: #tag,
-                message: ::uavspec_runtime::event::Text::new(#message),
-                description: ::uavspec_runtime::event::Text::new(#description),
-            })
+            quote!(::uavspec_runtime::event::EventTexts::new(#tag, #message, #description))
         });
         let (id, namespace, own_name, group) =
             (types::integer(event.id.into()), &component.namespace, &event.name, &event.group);

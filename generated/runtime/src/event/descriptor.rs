@@ -38,6 +38,13 @@ pub struct EventTexts {
     pub description: Text<'static>,
 }
 
+impl EventTexts {
+    /// The texts in a language.
+    pub const fn new(language: &'static str, message: &'static str, description: &'static str) -> Self {
+        Self { language, message: Text::new(message), description: Text::new(description) }
+    }
+}
+
 /// An argument of an event.
 #[derive(Debug)]
 pub struct ArgumentDescriptor {
@@ -47,6 +54,13 @@ pub struct ArgumentDescriptor {
     pub scalar: Scalar,
     /// The labels of an enum, in English and in other languages. Empty for a number.
     pub labels: &'static [EnumLabels],
+}
+
+impl ArgumentDescriptor {
+    /// An argument with its type and its labels.
+    pub const fn new(name: &'static str, scalar: Scalar, labels: &'static [EnumLabels]) -> Self {
+        Self { name, scalar, labels }
+    }
 }
 
 /// The labels of an enum in one language.
