@@ -35,7 +35,7 @@ const HASHES: &str = "xtask/site/pictures/pages.txt";
 /// Takes the pictures. With `--check`, returns false if they show other pages.
 pub(crate) fn run(arguments: &Arguments) -> Result<bool, String> {
     let root = repository();
-    let hashes = hashes(&root)?;
+    let hashes = hashes(root)?;
     if arguments.check {
         let is_current = fs::read_to_string(root.join(HASHES)).is_ok_and(|known| known == hashes);
         if !is_current {
