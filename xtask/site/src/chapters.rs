@@ -88,7 +88,11 @@ const PARTS: [(&str, &[Chapter]); 5] = [
         &[
             chapter("How checking works", "xtask/site/guide/conformance.md", "guide/conformance.md"),
             chapter("Check files (check)", "xtask/site/guide/check.md", "guide/check.md"),
-            chapter("Explain a flight or a word (explain)", "xtask/site/guide/explain.md", "guide/explain.md"),
+            chapter(
+                "Explain a flight or a word (explain)",
+                "xtask/site/guide/explain.md",
+                "guide/explain.md",
+            ),
             chapter("List and explain rules (rules)", "xtask/site/guide/rules.md", "guide/rules.md"),
             chapter("Reports", "xtask/site/guide/reports.md", "guide/reports.md"),
             chapter("Query many captures", "xtask/site/guide/query.md", "guide/query.md"),
