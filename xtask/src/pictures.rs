@@ -70,8 +70,7 @@ fn hashes(root: &Path) -> Result<String, String> {
     for (page, _) in PAGES {
         let path = root.join(SITE).join(format!("{page}.html"));
         let text = fs::read(&path).map_err(|error| format!("{}: {error}", path.display()))?;
-        let hash =
-            Sha256::digest(text).iter().fold(String::new(), |text, byte| text + &format!("{byte:02x}"));
+        let hash = data_encoding::HEXLOWER.encode(&Sha256::digest(text));
         // Writing to a string can't fail.
         let _ = writeln!(lines, "{hash}  {page}.html");
     }

@@ -21,8 +21,14 @@ use crate::span::Span;
 /// The component of the events that several components share.
 pub const COMMON: &str = "common";
 
-/// The groups of events that report what prevents arming, and what is wrong with the vehicle.
-pub const CHECK_GROUPS: [&str; 2] = ["arming_check", "health"];
+/// The group of events that report what prevents arming.
+pub const ARMING_CHECK: &str = "arming_check";
+
+/// The group of events that report what is wrong with the vehicle.
+pub const HEALTH: &str = "health";
+
+/// The groups of events that make up reports.
+pub const CHECK_GROUPS: [&str; 2] = [ARMING_CHECK, HEALTH];
 
 /// The events of a component.
 #[derive(Clone, Debug, PartialEq)]

@@ -35,8 +35,8 @@ pub use self::label::{Item, Label, Texts};
 use self::lane::Lanes;
 pub use self::lane::{Change, Lane, LaneKind, Part, Severity, Value};
 pub use self::px4::{
-    Flight, Overview, Refusal, Refused, SentEvent, flags, full_name, number, refused_modes, reply_events,
-    reported_modes, required_flags, state_value, text, topic_name,
+    Flight, Overview, Refusal, Refused, SentEvent, flags, full_name, number, reasons_text, refused_modes,
+    reply_events, reported_modes, required_flags, state_value, text, topic_name,
 };
 use self::px4::{Px4, TOPICS};
 pub(crate) use self::px4::{REPLY, contains_events};

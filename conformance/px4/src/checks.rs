@@ -6,6 +6,7 @@
 use std::collections::BTreeMap;
 
 use uavspec_dynamic::event::{DecodedEvent, EventValue};
+use uavspec_schema::event::{ARMING_CHECK, HEALTH};
 use uavspec_schema::{EventEnum, EventKind};
 
 use crate::event::RawEvent;
@@ -139,8 +140,8 @@ impl Reports {
             return Step::Unrelated;
         };
         let step = match (event.event.group.as_str(), event.event.kind) {
-            ("arming_check", EventKind::Summary) => self.start(event),
-            ("health", EventKind::Summary) => self.end(event),
+            (ARMING_CHECK, EventKind::Summary) => self.start(event),
+            (HEALTH, EventKind::Summary) => self.end(event),
             _ if event.event.is_check() => self.problem(event),
             _ => Step::Unrelated,
         };

@@ -32,12 +32,13 @@ pub(super) fn run(args: &SampleArgs) -> Exit {
 }
 
 fn sample(folder: &Path) -> Result<(), Failure> {
+    let sample = story::files()?;
     let mut files = NewFiles::default();
-    for (name, content) in story::files()? {
-        files.add(name, content);
+    for story::File { name, content, .. } in &sample {
+        files.add(name, content.as_slice());
     }
     files.write(folder)?;
-    for (name, about) in story::FILES {
+    for story::File { name, about, .. } in &sample {
         terminal::println!("wrote {}: {about}", shown(folder, Path::new(name)));
     }
     terminal::println!("\nNext:");

@@ -10,7 +10,7 @@ use super::package::PackageSource;
 use super::resolver::Resolver;
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::event::file::{ArgumentSource, ComponentSource, EventSource};
-use crate::event::{COMMON, Located, scalar};
+use crate::event::{ARMING_CHECK, CHECK_GROUPS, COMMON, Located, scalar};
 use crate::limits::{MAX_COMPARED_NAMES, MAX_EVENT_TEXT, MAX_MISTAKES};
 use crate::span::Span;
 use crate::wording::similar;
@@ -18,10 +18,6 @@ use crate::{Event, EventArgument, EventComponent, EventEnumRef, EventKind, Form}
 
 /// The maximum length of a message, in characters. From libevents' schema.
 const MAX_MESSAGE: usize = 120;
-
-/// The group of the summary that starts a report, and that of the summary that ends it.
-const ARMING_CHECK: &str = "arming_check";
-const HEALTH: &str = "health";
 
 impl<'s> Resolver<'s> {
     pub(super) fn events(&mut self, packages: &[PackageSource<'s>]) {
@@ -255,7 +251,7 @@ impl Events {
     /// Checks an event whose type or group has a meaning.
     fn check_kind(&mut self, event: &Event, source: &EventSource) {
         let group = event.group.as_str();
-        let is_in_report = [ARMING_CHECK, HEALTH].contains(&group);
+        let is_in_report = CHECK_GROUPS.contains(&group);
         if let Some((kind, span)) = source.kind
             && is_in_report != (kind == EventKind::Summary)
         {

@@ -22,7 +22,7 @@ pub use self::arming::{reply_events, text};
 pub use self::events::{SentEvent, full_name};
 pub(super) use self::events::{logged_text, remove_repeated_texts};
 use self::flights::Flights;
-pub use self::flights::{Flight, Overview, Refusal, Refused, refused_modes, reported_modes};
+pub use self::flights::{Flight, Overview, Refusal, Refused, reasons_text, refused_modes, reported_modes};
 use self::requirements::Requirements;
 pub use self::requirements::required_flags;
 use super::context::Context;

@@ -240,7 +240,7 @@ pub(crate) fn compare_with_site(name: &str, page: &str) {
 
 #[test]
 fn the_report_on_the_documentation_site_is_up_to_date() {
-    let [(name, log), ..] = story::files().expect("the sample");
+    let [story::File { name, content: log, .. }, ..] = story::files().expect("the sample");
     let Checked { definitions, result } = check_bytes(&log, &Library::built_in()).expect("a log");
     let checked = CheckedCapture::new(name.to_owned(), result, Duration::ZERO);
     let subject = Subject::from_capture(checked, &definitions, &Settings::default());

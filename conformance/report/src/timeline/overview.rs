@@ -1,6 +1,6 @@
 //! The summary for a pilot, in sentences.
 
-use uavspec_check::timeline::{Flight, Overview, Part, Refusal};
+use uavspec_check::timeline::{Flight, Overview, Part, Refusal, reasons_text};
 use uavspec_model::text::shown;
 
 use super::{clock, duration};
@@ -69,13 +69,8 @@ fn joined<'o>(refusals: impl Iterator<Item = &'o Refusal>) -> Vec<Refusal> {
 fn refusal(refusal: &Refusal, language: &str) -> String {
     let from = if refusal.from_us > 0 { format!(" from {}", clock(refusal.from_us)) } else { String::new() };
     let until = refusal.until_us.map_or_else(|| "the end".to_owned(), clock);
-    let text = |parts: &[Part]| parts.iter().map(|part| label(part, language)).collect::<Vec<_>>().join("; ");
-    let reasons = match (&refusal.reasons[..], &refusal.general[..]) {
-        ([], []) => "no reason is recorded".to_owned(),
-        ([], general) => text(general),
-        (reasons, []) => text(reasons),
-        (reasons, general) => format!("{}. Reported for all modes: {}", text(reasons), text(general)),
-    };
+    let reasons = reasons_text(&refusal.reasons, &refusal.general, |part| label(part, language));
+    let reasons = reasons.unwrap_or_else(|| "no reason is recorded".to_owned());
     format!("Couldn't arm in {}{from} until {until}: {reasons}.", label(&refusal.mode, language))
 }
 

@@ -1,7 +1,7 @@
 //! A flight with a story: the vehicle can't arm before GPS has a fix, flies, returns because its battery is low, and
 //! lands. The same flight is a log, a bag and the session of a Flockwave client, each with one violation.
 
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 use uavspec_model::Reliability;
 use uavspec_schema::{Failure, MessageId};
 use uavspec_types::px4_events::px4::{
@@ -212,22 +212,30 @@ fn told() -> Vec<(f64, Value)> {
     (0..).zip(told).map(fields).collect()
 }
 
-/// The names of the files, and what they are.
-pub const FILES: [(&str, &str); 3] = [
-    ("flight.ulg", "a PX4 log"),
-    ("flight.mcap", "a ROS 2 bag"),
-    ("session.jsonl", "the messages between a Flockwave client and server"),
-];
+/// A file of the flight.
+#[derive(Debug)]
+pub struct File {
+    /// The name.
+    pub name: &'static str,
+    /// The kind of the file.
+    pub about: &'static str,
+    /// The content.
+    pub content: Vec<u8>,
+}
 
-/// The names and the content of the files.
+/// The log, the bag and the session.
 ///
 /// # Errors
 /// Fails if the definitions of the release can't be read.
-pub fn files() -> Result<[(&'static str, Vec<u8>); 3], Failure> {
+pub fn files() -> Result<[File; 3], Failure> {
     let library = Library::release(RELEASE)?;
     let flight = flight(&library);
-    let [(log_name, _), (bag_name, _), (session_name, _)] = FILES;
-    Ok([(log_name, log(&flight)), (bag_name, bag(&flight)), (session_name, session().to_bytes())])
+    let session_about = "the messages between a Flockwave client and server";
+    Ok([
+        File { name: "flight.ulg", about: "a PX4 log", content: log(&flight) },
+        File { name: "flight.mcap", about: "a ROS 2 bag", content: bag(&flight) },
+        File { name: "session.jsonl", about: session_about, content: session().to_bytes() },
+    ])
 }
 
 /// All messages of the flight, without violations.
@@ -325,15 +333,15 @@ fn status(state: &State, now: u64) -> Value {
     #[allow(clippy::cast_possible_truncation)] // the values are small
     let [altitude, charge] =
         [state.altitude() * 1e3, state.charge() * 100.0].map(|value| value.round() as i64);
-    let mut status = Map::new();
     let is_wrong = (SLIP..SLIP + 2.0).contains(&state.seconds);
-    status.insert("id".to_owned(), if is_wrong { "1" } else { "01" }.into());
-    status.insert("timestamp".to_owned(), now.into());
-    status.insert("mode".to_owned(), if state.is_returning() { "rth" } else { "loiter" }.into());
-    status.insert("position".to_owned(), json!([473_977_000, 85_456_000, altitude + 488_000, altitude]));
-    status.insert("gps".to_owned(), if state.has_position() { json!([3, 14]) } else { json!([0, 0]) });
-    status.insert("heading".to_owned(), 687.into());
-    status.insert("battery".to_owned(), json!([155, charge]));
-    status.insert("errors".to_owned(), errors.into());
-    status.into()
+    json!({
+        "id": if is_wrong { "1" } else { "01" },
+        "timestamp": now,
+        "mode": if state.is_returning() { "rth" } else { "loiter" },
+        "position": [473_977_000, 85_456_000, altitude + 488_000, altitude],
+        "gps": if state.has_position() { [3, 14] } else { [0, 0] },
+        "heading": 687,
+        "battery": [155, charge],
+        "errors": errors,
+    })
 }

@@ -210,15 +210,16 @@ impl Flights {
     /// Ends the refusals that no longer last or whose reasons have changed, and starts new ones.
     fn refuse(&mut self, time: u64) {
         let refused = std::mem::take(&mut self.refused);
-        let names = |parts: &[Part]| parts.iter().map(|part| part.name.clone()).collect::<Vec<_>>();
-        let goes_on = |bit: u32, open: &Refusal| {
-            refused.iter().any(|new| {
-                new.number == bit
-                    && names(&new.reasons) == names(&open.reasons)
-                    && names(&new.general) == names(&open.general)
-            })
+        // Measured values in a text vary.
+        let are_same = |left: &[Part], right: &[Part]| {
+            left.iter().map(|part| &part.name).eq(right.iter().map(|part| &part.name))
         };
-        self.end_refusals(time, |bit, open| !goes_on(bit, open));
+        self.end_refusals(time, |bit, open| {
+            let new = refused.iter().find(|new| new.number == bit);
+            !new.is_some_and(|new| {
+                are_same(&new.reasons, &open.reasons) && are_same(&new.general, &open.general)
+            })
+        });
         let selected = self.selected();
         for Refused { number, mode, reasons, general } in &refused {
             let refusals = &mut self.overview.refusals;
@@ -268,6 +269,16 @@ impl Flights {
 
 fn part(mode: &ModeGroup) -> Part {
     Part::new(mode.name.clone(), Label::plain(&mode.description))
+}
+
+/// The reasons and the problems of all modes as text. `None` if there are neither.
+pub fn reasons_text(reasons: &[Part], general: &[Part], text: impl Fn(&Part) -> String) -> Option<String> {
+    let joined = |parts: &[Part]| parts.iter().map(&text).collect::<Vec<_>>().join("; ");
+    match (reasons, general) {
+        ([], []) => None,
+        ([], only) | (only, []) => Some(joined(only)),
+        _ => Some(format!("{}. Reported for all modes: {}", joined(reasons), joined(general))),
+    }
 }
 
 /// The modes in a report.

@@ -123,7 +123,7 @@ fn times_have_minutes_and_milliseconds() {
 
 #[test]
 fn the_timeline_on_the_documentation_site_is_up_to_date() {
-    let [(name, log), ..] = story::files().expect("the sample");
+    let [story::File { name, content: log, .. }, ..] = story::files().expect("the sample");
     let definitions = check_bytes(&log, &Library::built_in()).expect("a log").definitions;
     let timeline = Timeline::of_bytes(&log, &definitions, &Texts::of(Translations::default()));
     let mut timeline = timeline.expect("a timeline");

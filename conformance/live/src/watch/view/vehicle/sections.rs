@@ -2,7 +2,7 @@
 
 use ratatui::style::Style;
 use ratatui::text::{Line, Span};
-use uavspec_check::timeline::{Label, Part, Refused, Severity, Value};
+use uavspec_check::timeline::{Label, Part, Refused, Severity, Value, reasons_text};
 use uavspec_model::text::{plural, shown};
 
 use super::Scene;
@@ -129,15 +129,9 @@ pub(super) fn refused_texts<'r>(
             None => groups.push((found, vec![name])),
         }
     }
-    let texts =
-        |parts: &[Part]| parts.iter().map(|part| part_text(scene, part)).collect::<Vec<_>>().join("; ");
     let text = |(Refused { reasons, general, .. }, names): &(&Refused, Vec<String>)| {
-        let reasons = match (&reasons[..], &general[..]) {
-            ([], []) => "no reason given".to_owned(),
-            ([], general) => texts(general),
-            (reasons, []) => texts(reasons),
-            (reasons, general) => format!("{}. Reported for all modes: {}", texts(reasons), texts(general)),
-        };
+        let reasons = reasons_text(reasons, general, |part| part_text(scene, part));
+        let reasons = reasons.unwrap_or_else(|| "no reason given".to_owned());
         format!("{}: {reasons}", names.join(", "))
     };
     groups.iter().map(text).collect()
