@@ -1,7 +1,7 @@
 //! Builds the program for all platforms, and the archives and packages that contain it.
 //!
-//! The programs contain no paths of the machine, and all times in archives are that of the commit, so that the same
-//! commit and toolchain lead to the same bytes.
+//! The programs contain no paths of this machine, and all files in archives have the time of the commit. The same
+//! commit and toolchain therefore produce the same bytes.
 
 mod build;
 mod debian;
@@ -15,6 +15,7 @@ use std::env;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::slice;
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
@@ -25,10 +26,13 @@ use crate::archive::{File, tar_gz};
 use crate::command;
 use crate::package::{self, licences};
 use crate::paths::repository;
-use crate::platform::{PLATFORMS, Platform, Program};
+use crate::platform::{NATIVE, PLATFORMS, Platform, Program};
 
 /// The version of the workspace.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// The script that installs the program from an archive.
+const INSTALLER: &str = include_str!("dist/install.sh");
 
 /// The file with the checksums of all archives.
 const CHECKSUMS: &str = "SHA256SUMS";
@@ -40,7 +44,9 @@ const CHECKSUMS: &str = "SHA256SUMS";
   cargo xtask dist --target aarch64-unknown-linux-musl
   cargo xtask dist --test    install the packages in empty Debian systems, and run the program
 
-Requires maturin, cargo-zigbuild and cargo-deb, and the standard library for each target. Targets without it are \
+On macOS and Windows, builds only the archive for this machine, and requires only Rust and a C compiler.
+
+On Linux, requires maturin, cargo-zigbuild and cargo-deb, and the standard library for each target. Targets without it are \
 skipped, unless --target names them. --test requires root privileges, debootstrap, npm, and qemu-user-static for other \
 processors.")]
 pub(crate) struct Arguments {
@@ -59,6 +65,9 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: Arguments) -> Result<bool, String> {
     let root = repository();
     let out = arguments.out.unwrap_or_else(|| root.join("target/dist"));
+    if !cfg!(target_os = "linux") && arguments.target.is_empty() && !arguments.test {
+        return native(root, &out);
+    }
     build::check_tools()?;
     let platforms = platforms(&arguments.target)?;
     let time = time(root)?;
@@ -78,9 +87,24 @@ pub(crate) fn run(arguments: Arguments) -> Result<bool, String> {
         packages.push(debian::package(&built, time)?);
         packages.push(package::for_platform(&program)?);
     }
+    packages.push(File::new("install.sh", INSTALLER));
     packages.push(checksums(&packages));
     eprintln!("{}", package::write("dist", &packages, &out)?);
     if arguments.test { test::run(&out, &platforms) } else { Ok(true) }
+}
+
+/// Builds the archive for this machine, which runs macOS or Windows.
+fn native(root: &Path, out: &Path) -> Result<bool, String> {
+    let time = time(root)?;
+    let built = build::native(&NATIVE, time)?;
+    let documents = build::folder().join("documents");
+    documents::write(root, slice::from_ref(&built), &documents)?;
+    let third_party = notices::third_party(root, NATIVE.target)?;
+    let program = Program { platform: &NATIVE, bytes: File::read(&built.path)?.bytes, third_party };
+    let archive = archive(&program, &documents, time)?;
+    let packages = [checksums(slice::from_ref(&archive)), archive];
+    eprintln!("{}", package::write("dist", &packages, out)?);
+    Ok(true)
 }
 
 /// The platforms to build for.
@@ -101,7 +125,7 @@ fn platforms(targets: &[String]) -> Result<Vec<&'static Platform>, String> {
         return Err("no target can be built on this machine".to_owned());
     }
     if targets.is_empty() {
-        eprintln!("dist: skipped Windows and macOS: run `cargo install --path conformance` there");
+        eprintln!("dist: skipped Windows and macOS: run `cargo xtask dist` there");
     }
     Ok(platforms)
 }
@@ -125,7 +149,8 @@ fn time(root: &Path) -> Result<u64, String> {
 fn archive(program: &Program, documents: &Path, time: u64) -> Result<File, String> {
     let folder = format!("uavspec-{VERSION}-{}", program.platform.target);
     let mut files = [licences(), program.third_party.clone()].concat();
-    files.push(program.file("uavspec"));
+    let is_windows = program.platform.target.contains("windows");
+    files.push(program.file(if is_windows { "uavspec.exe" } else { "uavspec" }));
     files.push(File::new("README.md", include_str!("dist/README.md")));
     files.push(File::new("CHANGELOG.md", include_str!("../../CHANGELOG.md")));
     for part in ["completions", "man/man1"] {

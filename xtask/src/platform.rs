@@ -1,5 +1,7 @@
 //! The platforms that `cargo xtask dist` builds programs for.
 
+use std::env::consts::ARCH;
+
 use crate::archive::File;
 
 /// A platform, with its name in each kind of package.
@@ -15,7 +17,7 @@ pub(crate) struct Platform {
     pub(crate) node: (&'static str, &'static str),
 }
 
-/// The features of the programs, in addition to the default ones.
+/// The features of the programs, in addition to the default features.
 pub(crate) const FEATURES: &str = "uavspec/live,uavspec/schemas,uavspec/stores,uavspec/tables";
 
 /// All platforms. The programs are static, so they run on every Linux distribution.
@@ -33,6 +35,20 @@ pub(crate) static PLATFORMS: [Platform; 2] = [
         node: ("linux", "arm64"),
     },
 ];
+
+/// The platform of a machine with macOS or Windows. There is only an archive for it.
+pub(crate) static NATIVE: Platform = Platform {
+    machine: ARCH,
+    target: if cfg!(windows) {
+        "x86_64-pc-windows-msvc"
+    } else if cfg!(target_arch = "aarch64") {
+        "aarch64-apple-darwin"
+    } else {
+        "x86_64-apple-darwin"
+    },
+    debian: "",
+    node: ("", ""),
+};
 
 impl Platform {
     /// The target of the Rust compiler for Python modules, which are linked with a C library: `gnu` or `musl`.
@@ -52,7 +68,7 @@ impl Platform {
 pub(crate) struct Program {
     pub(crate) platform: &'static Platform,
     pub(crate) bytes: Vec<u8>,
-    /// The licences of the code of others that is linked into the program.
+    /// The licences of third-party code that is linked into the program.
     pub(crate) third_party: Vec<File>,
 }
 

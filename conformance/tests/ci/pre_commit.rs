@@ -17,11 +17,15 @@ fn program() -> PathBuf {
     python("pre-commit", &[VERSION]).with_file_name("pre-commit")
 }
 
+/// A package without a program, which pre-commit installs instead of compiling uavspec.
+const PACKAGE: &str = "[project]\nname = \"stub\"\nversion = \"0\"\n";
+
 /// A repository with the hooks of this repository. Returns its revision.
 fn hooks(folder: &Path) -> String {
     fs::create_dir(folder).expect("a folder");
     let own = repository().join(".pre-commit-hooks.yaml");
     fs::copy(own, folder.join(".pre-commit-hooks.yaml")).expect("the hooks");
+    write(folder, "pyproject.toml", PACKAGE);
     git(folder, &["init", "--quiet"]);
     commit(folder);
     git(folder, &["rev-parse", "HEAD"])

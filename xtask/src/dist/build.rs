@@ -1,13 +1,14 @@
 //! Builds the program and the Python package without paths of this machine. zig compiles the C code and links, so one
 //! machine builds for all platforms, and for older systems than its own.
 
+use std::env::consts::EXE_SUFFIX;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{env, fs, io};
 
 use crate::archive::File;
-use crate::command::{found, output, run};
+use crate::command::{cargo, found, output, run};
 use crate::paths::repository;
 use crate::platform::{FEATURES, Platform};
 
@@ -24,7 +25,7 @@ const TOOLS: [[&str; 2]; 3] = [
 /// The folder of the Python package, in the repository.
 const PYTHON: &str = "conformance/python";
 
-/// The folder from which maturin adds the program to a wheel, in the folder of the package.
+/// The subfolder of the package from which maturin adds the program to a wheel.
 const DATA: &str = "uavspec._native.data";
 
 /// The C libraries for which there are wheels, and the oldest systems that have them. A Python module can't be static.
@@ -38,7 +39,7 @@ pub(super) fn check_tools() -> Result<(), String> {
     }
 }
 
-/// The reason why a platform can't be built for, with the missing requirement; none if it can be.
+/// The reason why programs can't be built for a platform, with the missing requirement. `None` if they can be built.
 pub(super) fn obstacle(platform: &Platform) -> Option<String> {
     let target = LIBRARIES.iter().map(|[library, _]| platform.module_target(library)).find(|target| {
         let library = output(Command::new("rustc").args(["--print", "target-libdir", "--target", target]));
@@ -64,9 +65,18 @@ pub(super) fn program(platform: &'static Platform, time: u64) -> Result<Built, S
     let mut command = Command::new("cargo-zigbuild");
     command.args(["rustc", "--locked", "--profile", PROFILE, "--package", "uavspec", "--bin", "uavspec"]);
     command.args(["--features", FEATURES, "--target", platform.target]);
-    // Otherwise, zig links the program at a fixed address.
+    // Without this option, zig links the program at a fixed address.
     run_with(command.args(["--", "-Clink-arg=-pie"]), time)?;
     Ok(Built { platform, path: folder().join(platform.target).join(PROFILE).join("uavspec") })
+}
+
+/// Builds the program with the linker of this machine.
+pub(super) fn native(platform: &'static Platform, time: u64) -> Result<Built, String> {
+    let mut command = Command::new(cargo());
+    command.args(["build", "--locked", "--profile", PROFILE, "--package", "uavspec", "--bin", "uavspec"]);
+    run_with(command.args(["--features", FEATURES, "--target", platform.target]), time)?;
+    let name = format!("uavspec{EXE_SUFFIX}");
+    Ok(Built { platform, path: folder().join(platform.target).join(PROFILE).join(name) })
 }
 
 /// Builds the source distribution of the Python package.
@@ -74,7 +84,7 @@ pub(super) fn source_distribution(time: u64) -> Result<Vec<File>, String> {
     maturin(&["sdist"], time)
 }
 
-/// Builds the wheels with a program, the Python module and the types. They contain the licences `third_party`.
+/// Builds the wheels with a program, the Python module and the types. The wheels contain the licences `third_party`.
 pub(super) fn wheels(built: &Built, third_party: &[File], time: u64) -> Result<Vec<File>, String> {
     let package = repository().join(PYTHON);
     let scripts = package.join(DATA).join("scripts");
@@ -107,8 +117,8 @@ fn maturin(arguments: &[&str], time: u64) -> Result<Vec<File>, String> {
     File::read_all(&out)
 }
 
-/// Runs a tool in the repository. The code that it compiles depends on nothing else of this machine. The compiler flags
-/// replace the paths in the messages of panics.
+/// Runs a tool in the repository. The compiled code depends on nothing else on this machine. Compiler flags replace the
+/// paths in panic messages.
 pub(super) fn run_with(command: &mut Command, time: u64) -> Result<(), String> {
     let home = match env::var_os("CARGO_HOME") {
         Some(home) => PathBuf::from(home),
@@ -117,13 +127,17 @@ pub(super) fn run_with(command: &mut Command, time: u64) -> Result<(), String> {
     let target = folder();
     fs::create_dir_all(&target).map_err(|error| format!("{}: {error}", target.display()))?;
     let mut flags = Vec::new();
-    // The last replacement that matches applies.
+    // The last matching replacement applies.
     for (path, name) in [(repository(), "/uavspec"), (&*target, "/target"), (&*home, "/cargo")] {
         let path = fs::canonicalize(path).map_err(|error| format!("{}: {error}", path.display()))?;
         let mut flag = OsString::from("--remap-path-prefix=");
         flag.push(path);
         flag.push(format!("={name}"));
         flags.push(flag);
+    }
+    if cfg!(windows) {
+        // The C runtime is a separate download.
+        flags.push("-Ctarget-feature=+crt-static".into());
     }
     command.current_dir(repository()).env("CARGO_TARGET_DIR", target);
     command.env("CARGO_ENCODED_RUSTFLAGS", flags.join(OsStr::new("\u{1f}")));

@@ -1,4 +1,5 @@
-//! The documents that accompany the program on each platform. They depend only on its command line.
+//! The documents that accompany the program on each platform. The documents depend only on the command line of the
+//! program.
 
 use std::env::consts::ARCH;
 use std::fs;
@@ -21,7 +22,10 @@ const SHELLS: [(&str, &str); 5] = [
 /// Writes the completions and the man pages to a folder: runs the program, or a development build if all programs are for
 /// other processors.
 pub(super) fn write(root: &Path, programs: &[Built], folder: &Path) -> Result<(), String> {
-    let native = programs.iter().find(|built| built.platform.machine == ARCH && cfg!(target_os = "linux"));
+    let is_native = |built: &&Built| {
+        built.platform.machine == ARCH && built.platform.target.contains("linux") == cfg!(target_os = "linux")
+    };
+    let native = programs.iter().find(is_native);
     let uavspec = || native.map_or_else(|| development_build(root), |built| Command::new(&built.path));
     if folder.exists() {
         fs::remove_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;

@@ -1,8 +1,8 @@
 //! The licences of all code that is linked into the program and the Python module: crates, their C code, and the libraries
 //! of Rust and C.
 //!
-//! cargo-about (0.9.3) also lists macros, which aren't linked. It leaves out texts that it doesn't recognize, such as the
-//! licence of fiat-crypto in ring, and names no authors of crates without a text. So this module writes the licences.
+//! cargo-about (0.9.3) also lists macros, which aren't linked. It omits unrecognized texts, such as the licence of
+//! fiat-crypto in ring, and the authors of crates without a text. Therefore, this module writes the licences.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -16,10 +16,10 @@ use crate::archive::File;
 use crate::command::output;
 use crate::sbom::Crates;
 
-/// The files with the licences of crates and C code, and with those of Rust's standard library.
+/// The files with licences: of crates and C code, and of Rust's standard library.
 pub(super) const FILES: [&str; 2] = ["THIRD-PARTY-LICENSES.txt", "RUST-LIBRARY-LICENSES.html"];
 
-/// Libraries that are no crates, with their licence, origin and copyright. Each program contains them.
+/// Libraries that are not crates, with their licence, origin and copyright. Each program for Linux contains them.
 const LIBRARIES: [[&str; 4]; 2] = [
     ["musl", "MIT", "https://musl.libc.org", "Copyright © 2005-2020 Rich Felker, et al."],
     ["libunwind", "Apache-2.0 WITH LLVM-exception", "https://llvm.org", "The LLVM project"],
@@ -28,7 +28,8 @@ const LIBRARIES: [[&str; 4]; 2] = [
 /// The start of the names of files with licences, in lower case.
 const NAMES: [&str; 6] = ["licence", "license", "copying", "copyright", "notice", "unlicense"];
 
-/// Licences that don't apply, by crate and path: of code that isn't compiled, and alternatives to other licences.
+/// Licences that don't apply, by crate and path: licences of code that isn't compiled, and alternatives to other
+/// licences.
 const UNUSED: [(&str, &str); 3] =
     [("libsqlite3-sys", "sqlcipher"), ("petgraph", "assets"), ("zstd-sys", "zstd/COPYING")];
 
@@ -48,14 +49,14 @@ pub(super) fn third_party(root: &Path, target: &str) -> Result<Vec<File>, String
     let documents =
         PathBuf::from(output(Command::new("rustc").args(["--print", "sysroot"]))?).join("share/doc/rust");
     let standard = Standard { folder: documents.join("licenses") };
-    let libraries = LIBRARIES.map(|library| standard.part(library));
-    let mut parts = libraries.into_iter().collect::<Result<Vec<Part>, _>>()?;
+    let libraries = LIBRARIES.into_iter().filter(|_| target.contains("linux"));
+    let mut parts = libraries.map(|library| standard.part(library)).collect::<Result<Vec<Part>, _>>()?;
     parts.extend(crates(root, target, &standard)?);
     let rust = read(&documents.join("COPYRIGHT-library.html"))?;
     Ok(FILES.iter().zip([document(&parts), rust]).map(|(path, text)| File::new(*path, &text)).collect())
 }
 
-/// The crates, except those of this project.
+/// All crates except the crates of this project.
 fn crates(root: &Path, target: &str, standard: &Standard) -> Result<Vec<Part>, String> {
     let dependencies = Crates::linked(root, target)?.dependencies;
     let published = dependencies.into_iter().filter(|found| found.checksum.is_some());

@@ -16,7 +16,7 @@ struct Method {
     install: String,
     /// The path of the installed program.
     program: &'static str,
-    /// A shell command that checks what the package contains in addition to the program.
+    /// A shell command that checks the other contents of the package.
     check: &'static str,
 }
 
@@ -32,7 +32,7 @@ test \"$($program --version)\" = \"uavspec $version\"
 $program check /input/cpuload.ulg
 $program lint --package demo --dialect px4 --input /input/msg";
 
-fn methods(platform: &Platform) -> [Method; 4] {
+fn methods(platform: &Platform) -> [Method; 5] {
     let Platform { target, .. } = platform;
     let npm = platform.npm_package().trim_start_matches('@').replace('/', "-");
     [
@@ -43,6 +43,12 @@ fn methods(platform: &Platform) -> [Method; 4] {
             ),
             program: "/archive/uavspec",
             check: "test -s /archive/man/man1/uavspec-check.1 && test -s /archive/completions/_uavspec",
+        },
+        Method {
+            name: "script",
+            install: "sh /dist/install.sh --from /dist --prefix /opt/uavspec".to_owned(),
+            program: "/opt/uavspec/bin/uavspec",
+            check: "cd /opt/uavspec/share && test -s man/man1/uavspec-check.1 && test -s zsh/site-functions/_uavspec",
         },
         Method {
             name: "deb",

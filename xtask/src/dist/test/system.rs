@@ -12,13 +12,13 @@ use crate::platform::Platform;
 /// The release of Debian.
 const RELEASE: &str = "bookworm";
 
-/// The packages in addition to the smallest system.
+/// The packages in addition to the minimal system.
 const PACKAGES: &str = "ca-certificates,nodejs,python3-venv";
 
 /// The version of npm, which must support the release's Node. Debian's package of npm has hundreds of dependencies.
 const NPM: &str = "npm@10.9.2";
 
-/// The folders with programs. None contains a program from outside of the system.
+/// The folders with programs. No folder contains a program from outside the system.
 const PATH: &str = "/usr/sbin:/usr/bin:/sbin:/bin";
 
 /// A system.
