@@ -16,6 +16,7 @@ mod files;
 mod folder;
 mod lint;
 mod located;
+mod schema;
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -40,6 +41,7 @@ pub use self::files::{
     Loaded, is_definition, literal_base, load, load_into, load_named, load_with_catalogues,
 };
 pub use self::folder::manifest_name;
+pub use self::schema::configuration_schema;
 
 /// Definitions that were read from a path.
 #[derive(Debug)]
@@ -48,9 +50,9 @@ pub struct Definitions {
     pub sources: SourceMap,
     /// The schema.
     pub schema: Schema,
-    /// The paths of definitions that refer to a package outside the path. They aren't part of the schema.
+    /// The paths of definitions that refer to a package outside the path. These definitions aren't part of the schema.
     pub left_out: Vec<String>,
-    /// The names of the built-in packages that fill what the path lacks.
+    /// The names of the built-in packages that supply definitions missing at the path.
     pub built_in: Vec<String>,
 }
 
@@ -68,8 +70,8 @@ pub fn read_definitions_as(path: &Path, dialect: Option<Dialect>) -> Result<Defi
     read_plan(&plan_at(path, dialect)?)
 }
 
-/// Like [`read_definitions_as`], but ROS 2 definitions also include the built-in packages that the path lacks, because
-/// captures contain their messages. Messages that differ between distributions of ROS 2 are left out.
+/// Like [`read_definitions_as`], but ROS 2 definitions also include built-in packages that are missing at the path,
+/// because captures contain their messages. Messages that differ between distributions of ROS 2 are omitted.
 pub fn read_definitions_for_captures(path: &Path, dialect: Option<Dialect>) -> Result<Definitions, Failure> {
     read_plan(&Plan { built_in: BuiltIn::All, ..plan_at(path, dialect)? })
 }
@@ -102,7 +104,7 @@ pub fn read_package(name: &str, form: Form, inputs: &[PathBuf]) -> Result<Defini
     complete(load(&Plan::from_arguments(name, form, inputs, Path::new(""), &[]))?)
 }
 
-/// Reads definitions. Leaves out definitions that refer to a package outside the inputs.
+/// Reads definitions. Omits definitions that refer to a package outside the inputs.
 fn complete(mut loaded: Loaded) -> Result<Definitions, Failure> {
     fail_on_errors(&loaded.diagnostics, &loaded.sources)?;
     let mut left_out = Vec::new();
@@ -116,7 +118,7 @@ fn complete(mut loaded: Loaded) -> Result<Definitions, Failure> {
             .filter(is_incomplete)
             .map(|diagnostic| loaded.sources.source_of(diagnostic.span))
             .collect();
-        // The definitions that were left out are unknown types of the remaining ones.
+        // The remaining definitions may refer to omitted definitions, which are now unknown types.
         if incomplete.is_empty() || left_out.is_empty() && !refers_to_package(&diagnostics) {
             fail_on_errors(&diagnostics, &loaded.sources)?;
             let built_in = loaded.built_in;

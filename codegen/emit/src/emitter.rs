@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::{fmt, iter};
 
+use schemars::{JsonSchema, SchemaGenerator};
 use serde::de::DeserializeOwned;
+use serde_json::{Map, Value, json};
 use uavspec_dynamic::conversion::Conversions;
 use uavspec_lint::release::Releases;
 use uavspec_schema::Schema;
@@ -22,8 +24,7 @@ pub struct Emitter {
     pub name: &'static str,
     /// A short description.
     pub help: &'static str,
-    /// Option keys with their meanings.
-    pub options: &'static [(&'static str, &'static str)],
+    schema: fn(&mut SchemaGenerator) -> schemars::Schema,
     default: fn() -> Box<dyn Output>,
     read: fn(toml::Table) -> Result<Box<dyn Output>, toml::de::Error>,
 }
@@ -73,13 +74,35 @@ pub struct Others<'a> {
 
 impl Emitter {
     /// Creates a row whose options have the type `O`.
-    pub(super) const fn new<O: Output + Default + DeserializeOwned + 'static>(
+    pub(super) const fn new<O: Output + Default + DeserializeOwned + JsonSchema + 'static>(
         name: &'static str,
         help: &'static str,
-        options: &'static [(&'static str, &'static str)],
     ) -> Self {
         let read = |table| -> Result<Box<dyn Output>, _> { Ok(Box::new(O::deserialize(table)?)) };
-        Self { name, help, options, default: || Box::new(O::default()), read }
+        Self { name, help, schema: O::json_schema, default: || Box::new(O::default()), read }
+    }
+
+    /// The JSON Schema for a value in the `output` table: a path, or a table with a path and options.
+    pub fn schema(&self, generator: &mut SchemaGenerator) -> schemars::Schema {
+        let options = (self.schema)(generator);
+        let mut properties = Map::new();
+        properties.insert("path".to_owned(), json!({ "description": "Output folder.", "type": "string" }));
+        properties.extend(options.get("properties").and_then(Value::as_object).cloned().unwrap_or_default());
+        schemars::json_schema!({
+            "description": format!("{}.", self.help),
+            "anyOf": [
+                { "type": "string" },
+                { "type": "object", "properties": properties, "required": ["path"], "additionalProperties": false },
+            ],
+        })
+    }
+
+    /// The keys of the options, with their meanings.
+    pub fn options(&self) -> Vec<(String, String)> {
+        let schema = (self.schema)(&mut SchemaGenerator::default());
+        let properties = schema.get("properties").and_then(Value::as_object);
+        let meaning = |option: &Value| option["description"].as_str().unwrap_or_default().replace('\n', " ");
+        properties.into_iter().flatten().map(|(key, option)| (key.clone(), meaning(option))).collect()
     }
 
     /// The output with default options.
@@ -92,7 +115,7 @@ impl Emitter {
         (self.read)(options).map_err(|error| error.message().to_owned())
     }
 
-    /// Reads the value of a key of `output`: a path, or a table with a path and options.
+    /// Reads a value in the `output` table: a path, or a table with a path and options.
     pub fn table(&self, value: toml::Value) -> Result<Table, String> {
         let (path, options) = match value {
             toml::Value::Table(mut options) => (options.remove("path"), options),
@@ -106,9 +129,9 @@ impl Emitter {
 
     /// Lists the keys of the output table.
     fn keys(&self) -> String {
-        let options = self.options.iter().map(|(key, _)| *key);
-        let keys: Vec<String> = iter::once("path").chain(options).map(|key| format!("`{key}`")).collect();
-        keys.join(", ")
+        let options = self.options().into_iter().map(|(key, _)| key);
+        let keys = iter::once("path".to_owned()).chain(options).map(|key| format!("`{key}`"));
+        keys.collect::<Vec<_>>().join(", ")
     }
 }
 

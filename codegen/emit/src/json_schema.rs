@@ -1,7 +1,6 @@
-//! JSON Schemas, draft 2020-12. Each message, service part and set of error codes has a
-//! file, and so has each component with events. Each type defined on a
-//! page has a file, and so does each direction of a message defined on a page. For tools that can't follow references
-//! between files, each package has a bundle.
+//! JSON Schemas, draft 2020-12. There is one file for each message, service part, set of error codes, component with
+//! events, and type defined on a page. A message defined on a page has one file for each direction. For tools that
+//! can't follow references between files, each package has a bundle.
 //!
 //! The schema of a `.msg` file is closed, and all fields are required. The schema of a definition on a page is closed
 //! only if the page says so. All assertions have the same meaning in draft 7, so older tools can use the bundles. Draft
@@ -74,18 +73,18 @@ use self::tree::{Member, Node, member};
 use super::emitter::{Input, Output};
 use super::file::{OutputFile, notice};
 
-/// Default value of [`Options::base`]. RFC 6761 reserves `.invalid`, so the domain belongs to nobody. Validators resolve
-/// relative references against such a URL. Many of them fail if `$id` is a relative reference or a URN.
+/// Default value of [`Options::base`]. RFC 6761 reserves `.invalid`, so the domain belongs to nobody. Validators
+/// resolve relative references against such a URL. Many validators fail if `$id` is a relative reference or a URN.
 pub const DEFAULT_BASE: &str = "https://schemas.invalid/";
 
 /// The JSON Schema draft of all files.
 pub(super) const DRAFT: &str = "https://json-schema.org/draft/2020-12/schema";
 
 /// Options of the emitter.
-#[derive(Clone, Debug, PartialEq, Eq, serde::Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, schemars::JsonSchema, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
-    /// URL prefix of every `$id`.
+    /// URL prefix of every `$id`. Default: `https://schemas.invalid/`.
     pub base: String,
 }
 
@@ -146,7 +145,7 @@ pub(super) fn targets(schema: &Schema, package: &Package, index: usize) -> Vec<T
 struct Emitter<'s> {
     schema: &'s Schema,
     options: &'s Options,
-    /// The members of each schema, except those that depend on the output file.
+    /// The members of each schema, except members that depend on the output file.
     definitions: BTreeMap<Target, Vec<Member<'s>>>,
 }
 
@@ -192,8 +191,8 @@ impl<'s> Emitter<'s> {
 
     /// Creates the bundle of a package, with everything its messages refer to. The bundle itself accepts instances of
     /// any definition in the package; without this assertion, it would accept any value. If the package has messages
-    /// defined on pages, the bundle accepts only these. Some page types are plain strings or numbers, which would
-    /// accept unrelated values.
+    /// defined on pages, the bundle accepts only these messages. Some page types are plain strings or numbers, so they
+    /// would accept unrelated values.
     fn bundle(&self, package: &Package, own: Vec<Target>) -> Option<OutputFile> {
         if own.is_empty() {
             return None;

@@ -49,43 +49,15 @@ pub use self::file::{GENERATED_BY, OutputFile};
 /// All emitters. Each row has a name, a short description, and the option keys with their meanings. The name is a key
 /// of `output` in the configuration and a value of `--emit`.
 pub const EMITTERS: &[Emitter] = &[
-    Emitter::new::<rust::Options>(
-        "rust",
-        "Rust modules",
-        &[
-            ("root", "name of the root file: `mod.rs`, or `lib.rs` for a whole crate"),
-            ("readme", "a Markdown file to include in the documentation of the root module"),
-        ],
-    ),
-    Emitter::new::<json_schema::Options>(
-        "json_schema",
-        "JSON Schemas",
-        &[("base", "the URL prefix of every `$id`; default: `https://schemas.invalid/`")],
-    ),
-    Emitter::new::<vectors::Options>(
-        "vectors",
-        "Test vectors in JSON",
-        &[("base", "the URL prefix of every `$id`; default: `output.json_schema.base`")],
-    ),
-    Emitter::new::<docs::Configuration>(
-        "docs",
-        "Markdown documentation for mdBook",
-        &[
-            ("title", "the title of the book"),
-            ("rules", "`true` to include the pages about the lint and breaking-change rules"),
-            ("contents", "one or more files whose links are added to the table of contents"),
-        ],
-    ),
+    Emitter::new::<rust::Options>("rust", "Rust modules"),
+    Emitter::new::<json_schema::Options>("json_schema", "JSON Schemas"),
+    Emitter::new::<vectors::Options>("vectors", "Test vectors in JSON"),
+    Emitter::new::<docs::Configuration>("docs", "Markdown documentation for mdBook"),
     Emitter::new::<typescript::Options>(
         "typescript",
         "TypeScript modules, including `labels` if there are translations",
-        &[("form", "`source`, or `compiled` for JavaScript with type declarations")],
     ),
-    Emitter::new::<python::Options>(
-        "python",
-        "Python modules, including `labels` if there are translations",
-        &[],
-    ),
+    Emitter::new::<python::Options>("python", "Python modules, including `labels` if there are translations"),
 ];
 
 /// Returns the emitter with this name, or an error that lists the known names.

@@ -60,7 +60,7 @@ use super::file::OutputFile;
 const OPEN_ENUM: &str = "_open_enum";
 
 /// The emitter has no options.
-#[derive(Debug, Default, serde::Deserialize)]
+#[derive(Debug, Default, schemars::JsonSchema, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Options {}
 

@@ -51,13 +51,13 @@ use super::file::OutputFile;
 use super::origin::Origins;
 
 /// Options of the emitter.
-#[derive(Clone, Debug, serde::Deserialize)]
+#[derive(Clone, Debug, schemars::JsonSchema, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
-    /// Name of the root file of the module tree: `mod.rs`, or `lib.rs` for a complete crate.
+    /// Name of the root file: `mod.rs`, or `lib.rs` for a whole crate.
     pub root: String,
-    /// Path of a Markdown page that the root documentation includes, relative to the root file. The code examples on
-    /// the page are doctests.
+    /// A Markdown file to include in the documentation of the root module, relative to the root file. Its code examples
+    /// are doctests.
     pub readme: Option<String>,
 }
 

@@ -51,7 +51,7 @@ use super::emitter::{Input, Output};
 use super::file::OutputFile;
 
 /// The form of the emitted modules.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, schemars::JsonSchema, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Form {
     /// TypeScript source files, such as `px4.ts`, to compile together with other source files.
@@ -63,10 +63,10 @@ pub enum Form {
 }
 
 /// Options of the emitter.
-#[derive(Clone, Debug, Default, PartialEq, Eq, serde::Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, schemars::JsonSchema, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
-    /// The form of the modules.
+    /// `source`, or `compiled` for JavaScript with type declarations.
     pub form: Form,
 }
 

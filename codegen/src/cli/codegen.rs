@@ -60,7 +60,7 @@ fn emitters() -> impl TypedValueParser<Value = &'static Emitter> {
 fn after_help() -> String {
     let mut text = EXAMPLES.to_owned();
     for emitter in EMITTERS {
-        for (key, meaning) in emitter.options {
+        for (key, meaning) in emitter.options() {
             let _ = write!(text, "\n  {}.{key}\n      {meaning}", emitter.name);
         }
     }

@@ -17,7 +17,7 @@ pub(crate) enum BuiltIn {
     /// The packages that the definitions refer to. Only the referenced messages appear in the output.
     #[default]
     Referenced,
-    /// All messages that don't differ between distributions, because captures also contain other messages.
+    /// All messages that are the same in all distributions. Captures can contain any of them.
     All,
 }
 

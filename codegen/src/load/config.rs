@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 use toml::Spanned;
 use uavspec_emit::{EMITTERS, Emitter, Others, Output, emitter};
@@ -30,61 +31,92 @@ pub struct Config {
     file: File,
 }
 
-#[derive(Debug, Deserialize)]
+// The comments of the fields are the descriptions in the JSON Schema and in the guide.
+
+/// The packages to read, and the outputs to write. Paths and patterns are relative to the folder of this file.
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-struct File {
+#[schemars(extend("required" = ["package"]))]
+pub(super) struct File {
+    /// The outputs to generate: for each, a folder, or a table with the folder and options.
     #[serde(default)]
+    #[schemars(schema_with = "super::schema::outputs")]
     output: BTreeMap<Spanned<String>, Spanned<toml::Value>>,
+    /// The packages of definitions.
     #[serde(default, rename = "package")]
+    #[schemars(length(min = 1))]
     packages: Vec<Package>,
+    /// The rules of `uavspec lint`.
     #[serde(default)]
     lint: Lint,
+    /// Translations of the texts in definitions.
     #[serde(default)]
     translations: Translations,
+    /// Pairs of packages whose messages convert to each other.
     #[serde(default, rename = "conversion")]
     conversions: Vec<Conversion>,
 }
 
 /// A pair of packages to convert between.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Conversion {
+    /// Name of the older package.
+    #[schemars(with = "String")]
     from: Spanned<String>,
+    /// Name of the newer package.
+    #[schemars(with = "String")]
     to: Spanned<String>,
+    /// File with hints.
     hints: Option<PathBuf>,
 }
 
 /// Translation catalogues.
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Translations {
+    /// Glob patterns of PO files, such as `["i18n/*.po"]`. The files don't have to exist yet.
     #[serde(default)]
     include: Vec<String>,
 }
 
-#[derive(Debug, Deserialize)]
+/// A package of definitions.
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[allow(clippy::struct_field_names)] // these are the names in the file
 struct Package {
+    /// Letters, digits and `_`, starting with a letter.
+    #[schemars(with = "String")]
     name: Spanned<String>,
+    /// The language of the definitions: `px4`, `ros2`, `table` for Markdown pages with tables of error codes, types and
+    /// messages, or `events` for event metadata.
     dialect: DialectName,
+    /// Glob patterns of the definition files, such as `["msg/*.msg"]`.
     include: Vec<String>,
+    /// Names of the messages to generate, in addition to their nested messages. Default: all messages.
+    #[schemars(with = "Option<Vec<String>>")]
     select: Option<Vec<Spanned<String>>>,
+    /// Package name in ROS types and type hashes. Default: `px4_msgs` for a package `px4` of the dialect `px4`, otherwise
+    /// the name.
     ros_package: Option<String>,
+    /// Source of the definitions, shown in the documentation.
     origin: Option<String>,
+    /// Revision of the source, shown in the documentation.
     revision: Option<String>,
+    /// Folder with earlier releases of the package, from which the documentation shows the history of each definition.
+    #[schemars(with = "Option<PathBuf>")]
     releases: Option<Spanned<PathBuf>>,
 }
 
 /// The form of definitions.
-#[derive(Clone, Copy, Debug, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, clap::ValueEnum)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum DialectName {
     /// PX4 uORB messages
     Px4,
     /// ROS 2 interfaces
     Ros2,
-    /// Pages with specification tables
+    /// Markdown pages with tables of error codes, types and messages
     Table,
     /// Event metadata of PX4
     Events,
@@ -120,9 +152,9 @@ pub struct Plan {
     pub(crate) conversions: Vec<PlannedConversion>,
     /// The Git revision of the sources; `None` for the working tree.
     pub(crate) revision: Option<String>,
-    /// The texts of the files that are open in an editor. They are read instead of the files.
+    /// The texts of the files that are open in an editor. These texts are read instead of the files.
     pub open: BTreeMap<PathBuf, String>,
-    /// The built-in packages that fill what the inputs lack.
+    /// The built-in packages that supply definitions missing in the inputs.
     pub(crate) built_in: BuiltIn,
 }
 
@@ -313,7 +345,7 @@ fn unreadable(path: &str, text: &str, error: &toml::de::Error) -> Failure {
 /// Like [`unreadable`], for an error at `range`.
 fn unreadable_at(path: &str, text: &str, range: Range<usize>, message: &str) -> Failure {
     failure_at(path, text, range, message)
-        .with_hint("the guide lists all keys in the chapter \"Use it in your build\"")
+        .with_hint("the guide lists all keys in the chapter \"Keys of uavspec.toml\"")
 }
 
 /// The outputs of the `output.NAME` tables, in the order of [`EMITTERS`]. Errors contain a location and a message.

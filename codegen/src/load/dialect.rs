@@ -11,8 +11,9 @@ use super::files::ros_package_of;
 /// Types that only ROS 2 has.
 const ROS_TYPES: [&str; 5] = ["string", "wstring", "byte", "time", "duration"];
 
-/// The dialect of files, and the name of their package. PX4's messages have a timestamp; files with types that only ROS 2
-/// has, and files in the folder of a ROS package, are ROS 2 interfaces. Files that show nothing are PX4 messages.
+/// The dialect of files, and the name of their package. Messages with a timestamp are PX4 messages. Files with types
+/// that only ROS 2 has, and files in the folder of a ROS package, are ROS 2 interfaces. All other files are PX4
+/// messages.
 pub fn detected(files: &[PathBuf]) -> (Dialect, String) {
     let (mut num_px4, mut num_ros) = (0, 0);
     for file in files {

@@ -84,7 +84,7 @@ pub fn is_msg_file(path: &Path) -> bool {
     is_definition(path, Form::Msg(Dialect::Px4))
 }
 
-/// The files by the folders of their packages.
+/// Groups files by the folders of their packages.
 pub fn by_package(files: impl Iterator<Item = PathBuf>, folder: &Path) -> BTreeMap<PathBuf, Vec<PathBuf>> {
     let mut packages: BTreeMap<PathBuf, Vec<PathBuf>> = BTreeMap::new();
     for file in files {
@@ -93,7 +93,7 @@ pub fn by_package(files: impl Iterator<Item = PathBuf>, folder: &Path) -> BTreeM
     packages
 }
 
-/// A name for the package in a folder: that of the folder, with `_` in place of other characters.
+/// A name for the package in a folder: the name of the folder, with `_` in place of other characters.
 pub fn package_name(folder: &Path) -> String {
     let absolute = fs::canonicalize(folder).or_else(|_| std::path::absolute(folder));
     let name = absolute.ok().and_then(|path| Some(path.file_name()?.to_string_lossy().to_lowercase()));

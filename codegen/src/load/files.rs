@@ -27,8 +27,8 @@ use super::located::failure_at;
 /// Extensions of pages with tables.
 const PAGE_EXTENSIONS: [&str; 5] = ["md", "markdown", "adoc", "asciidoc", "txt"];
 
-/// The maximum number of bytes that are read from a file. A file that has up to so many, but too many for a definition,
-/// doesn't prevent reading the others.
+/// The maximum number of bytes that are read from a file. A file that is too long for a definition, but within this
+/// limit, doesn't prevent reading other files.
 const MAX_FILE: u64 = 16 << 20;
 
 /// The files of a plan, as sources.
@@ -306,8 +306,8 @@ impl Loader<'_> {
         self.plan.revision.as_ref().map_or_else(|| path.clone(), |revision| format!("{revision}:{path}"))
     }
 
-    /// Reads referenced packages from neighbouring folders, until no more are found, and adds the built-in ones. Only the
-    /// referenced messages of these packages appear in the output.
+    /// Reads referenced packages from neighbouring folders, until no more are found, and adds built-in packages. Only
+    /// the referenced messages of these packages appear in the output.
     fn ros_dependencies(&mut self) -> Result<(), Failure> {
         self.neighbours()?;
         let loaded = &self.loaded;
@@ -586,7 +586,7 @@ fn matching(folder: &Path, pattern: &str, is_match: impl Fn(&Path) -> bool) -> R
     Ok(paths.filter(|path| set.is_match(path)).map(|path| base.join(path)).collect())
 }
 
-/// The path of a folder. That of the current folder may be empty.
+/// The path of a folder. The path of the current folder may be empty.
 fn or_current(folder: &Path) -> &Path {
     if folder.as_os_str().is_empty() { Path::new(".") } else { folder }
 }

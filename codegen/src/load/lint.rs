@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use globset::{GlobBuilder, GlobMatcher};
+use schemars::JsonSchema;
 use serde::Deserialize;
 use toml::Spanned;
 use uavspec_lint::Preset;
@@ -14,28 +15,37 @@ use uavspec_schema::path::normalise;
 use super::located::failure_at;
 
 /// The table `lint`.
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Lint {
+    /// The rules to check: `px4` (default) or `strict`.
     #[serde(default)]
+    #[schemars(schema_with = "super::schema::values_of::<Preset>")]
     preset: Preset,
+    /// Levels of individual rules, such as `{ unit-missing = "off" }`: `off`, `note`, `warning` or `error`.
     #[serde(default)]
+    #[schemars(with = "BTreeMap<String, LevelName>")]
     levels: BTreeMap<Spanned<String>, LevelName>,
+    /// Findings to ignore.
     #[serde(default, rename = "ignore")]
+    #[schemars(with = "Vec<LintIgnore>")]
     ignores: Vec<Spanned<LintIgnore>>,
 }
 
 /// An exception to a rule.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct LintIgnore {
+    /// Id of the rule.
     rule: String,
+    /// Glob pattern of files. Default: all files.
     path: Option<String>,
+    /// Reason for the exception.
     reason: String,
 }
 
 /// The level of a rule, or off.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 enum LevelName {
     Off,

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::PathBuf;
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 use uavspec_schema::failure::Failure;
 use uavspec_schema::terminal;
@@ -13,19 +14,21 @@ use crate::emitter::{Input, Others, Output};
 use crate::file::OutputFile;
 
 /// The options as configured.
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub(crate) struct Configuration {
+    /// The title of the book.
     title: Option<String>,
+    /// `true` to include the pages about the rules of lint and breaking.
     rules: bool,
-    /// Files with additional entries for the table of contents, in mdBook syntax.
+    /// One or more mdBook tables of contents, whose entries are added to the table of contents.
     contents: OneOrMany,
     #[serde(skip)]
     siblings: Siblings,
 }
 
 /// A path or a list of paths.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(untagged, expecting = "expected a path, or a list of paths")]
 enum OneOrMany {
     One(PathBuf),

@@ -3,10 +3,10 @@
 use crate::json_schema;
 
 /// Options of the emitter.
-#[derive(Clone, Debug, Default, PartialEq, Eq, serde::Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, schemars::JsonSchema, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
-    /// URL prefix of the `$id` of schemas, or `None` for the default.
+    /// URL prefix of every `$id`. Default: `output.json_schema.base`.
     pub base: Option<String>,
 }
 
