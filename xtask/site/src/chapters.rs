@@ -23,18 +23,18 @@ const fn section(title: &'static str, section: &'static str, page: &'static str)
     Chapter { title, source: README, section, page }
 }
 
-/// The document of which the site shows only sections. The start page replaces its first lines.
+/// The document that the site shows in sections. The start page replaces its first lines.
 pub(crate) const README: &str = "README.md";
 
 /// The start page.
 pub(crate) const START: Chapter = chapter("Home", "xtask/site/guide/index.md", "index.md");
 
-/// The sections of the README that are not on the site, because chapters say more.
+/// The sections of the README that are not on the site, because chapters contain more details.
 #[cfg(test)]
 const OMITTED: [&str; 6] =
     ["Install", "Try it", "For whom", "What it is, and what it isn't", "How mature it is", "Read on"];
 
-/// The part of the guide that precedes the reference.
+/// The part of the guide that precedes the reference: installation and tutorials.
 const FIRST_STEPS: (&str, &[Chapter]) = (
     "Get started",
     &[
@@ -44,12 +44,11 @@ const FIRST_STEPS: (&str, &[Chapter]) = (
         chapter("Test a server", "xtask/site/guide/first-server.md", "guide/first-server.md"),
         chapter("Test a vehicle", "xtask/site/guide/first-vehicle.md", "guide/first-vehicle.md"),
         chapter("Watch a fleet", "xtask/site/guide/first-fleet.md", "guide/first-fleet.md"),
-        chapter("Glossary", "xtask/site/guide/glossary.md", "guide/glossary.md"),
     ],
 );
 
 /// The parts of the guide that follow the reference. Titles contain the command in parentheses.
-const PARTS: [(&str, &[Chapter]); 5] = [
+const PARTS: [(&str, &[Chapter]); 6] = [
     (
         "Write definitions",
         &[
@@ -72,7 +71,8 @@ const PARTS: [(&str, &[Chapter]); 5] = [
         &[
             chapter("Generate and format (codegen, fmt)", "xtask/site/guide/codegen.md", "guide/codegen.md"),
             chapter("Use it in your build", "xtask/site/guide/your-build.md", "guide/your-build.md"),
-            chapter("Convert between releases", "xtask/site/guide/conversions.md", "guide/conversions.md"),
+            chapter("Keys of uavspec.toml", "xtask/site/guide/configuration.md", "guide/configuration.md"),
+            chapter("Generate conversions", "xtask/site/guide/conversions.md", "guide/conversions.md"),
             chapter("Rust", "generated/README.md", "guide/rust.md"),
             chapter(
                 "TypeScript and Python",
@@ -84,23 +84,22 @@ const PARTS: [(&str, &[Chapter]); 5] = [
         ],
     ),
     (
-        "Check captures",
+        "Use captures",
         &[
-            chapter("How checking works", "xtask/site/guide/conformance.md", "guide/conformance.md"),
-            chapter("Check files (check)", "xtask/site/guide/check.md", "guide/check.md"),
+            chapter("Explain a flight (explain)", "xtask/site/guide/explain.md", "guide/explain.md"),
             chapter(
-                "Explain a flight or a word (explain)",
-                "xtask/site/guide/explain.md",
-                "guide/explain.md",
+                "Explain codes, fields and values (explain)",
+                "xtask/site/guide/word.md",
+                "guide/word.md",
             ),
-            chapter("List and explain rules (rules)", "xtask/site/guide/rules.md", "guide/rules.md"),
+            chapter("Check captures (check)", "xtask/site/guide/check.md", "guide/check.md"),
+            chapter("Convert captures (convert)", "xtask/site/guide/convert.md", "guide/convert.md"),
             chapter("Reports", "xtask/site/guide/reports.md", "guide/reports.md"),
+            chapter("Baselines", "xtask/site/guide/baselines.md", "guide/baselines.md"),
+            chapter("Run uavspec in CI", "xtask/site/guide/ci.md", "guide/ci.md"),
             chapter("Query many captures", "xtask/site/guide/query.md", "guide/query.md"),
             chapter("Use uavspec in Python", "xtask/site/guide/python.md", "guide/python.md"),
             chapter("Check captures on a cluster", "xtask/site/guide/cluster.md", "guide/cluster.md"),
-            chapter("Baselines", "xtask/site/guide/baselines.md", "guide/baselines.md"),
-            chapter("Run uavspec in CI", "xtask/site/guide/ci.md", "guide/ci.md"),
-            chapter("Self-test", "xtask/site/guide/self-test.md", "guide/self-test.md"),
         ],
     ),
     (
@@ -112,6 +111,15 @@ const PARTS: [(&str, &[Chapter]); 5] = [
             chapter("Test a live vehicle (probe)", "xtask/site/guide/vehicle.md", "guide/vehicle.md"),
             chapter("Run a reference server (serve)", "xtask/site/guide/serve.md", "guide/serve.md"),
             chapter("Watch a server or a vehicle (watch)", "xtask/site/guide/watch.md", "guide/watch.md"),
+        ],
+    ),
+    (
+        "Understand rules",
+        &[
+            chapter("How checking works", "xtask/site/guide/conformance.md", "guide/conformance.md"),
+            chapter("List and explain rules (rules)", "xtask/site/guide/rules.md", "guide/rules.md"),
+            chapter("Self-test", "xtask/site/guide/self-test.md", "guide/self-test.md"),
+            chapter("Glossary", "xtask/site/guide/glossary.md", "guide/glossary.md"),
         ],
     ),
     (
@@ -130,7 +138,7 @@ const PARTS: [(&str, &[Chapter]); 5] = [
 /// The title of the part that contains the reference.
 const REFERENCE: &str = "Look up";
 
-/// Titles of the reference on the site, where they replace the names of packages.
+/// Titles in the reference that replace the names of packages.
 const TITLES: [(&str, &str); 5] = [
     ("flockwave", "Flockwave protocol"),
     ("flockwave messages", "Flockwave messages"),
@@ -156,7 +164,7 @@ pub(crate) fn summary(reference: &str, schemas: &str) -> String {
     [start, part(&FIRST_STEPS), reference].into_iter().chain(PARTS.iter().map(part)).collect()
 }
 
-/// Returns the titles that occur more than once in a table of contents. Readers can't tell such chapters apart.
+/// Returns the titles that occur more than once in a table of contents. Readers can't distinguish such chapters.
 pub(crate) fn repeated_titles(summary: &str) -> Vec<&str> {
     let titles = summary.lines().filter_map(|line| Some(line.split_once('[')?.1.split_once("](")?.0));
     let mut known = BTreeSet::new();

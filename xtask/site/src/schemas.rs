@@ -21,7 +21,7 @@ const MAX_SHOWN: usize = 100_000;
 pub(crate) struct Schemas {
     /// The paths and texts of the pages.
     pub(crate) pages: Vec<(String, String)>,
-    /// Their entries in the table of contents.
+    /// The entries of the pages in the table of contents.
     pub(crate) contents: String,
 }
 
@@ -115,7 +115,7 @@ fn section(part: &Part<'_>) -> String {
     [title, description, table(&part.columns, &part.rows), "\n".to_owned()].concat()
 }
 
-/// The typical test case of the schema, or otherwise the first valid one, formatted.
+/// The typical test case of the schema, or the first valid test case, formatted.
 fn example(generated: &Path, stem: &str) -> Option<String> {
     let vectors = stem.replacen("schemas/", "vectors/", 1);
     let vectors = std::fs::read_to_string(generated.join(format!("{vectors}.vectors.json"))).ok()?;

@@ -12,10 +12,10 @@ pub(super) struct Part<'s> {
     pub(super) rows: Vec<[String; 6]>,
 }
 
-/// Keywords that contain several schemas, of which one or all apply.
+/// Keywords that combine several schemas.
 const ALTERNATIVES: [&str; 3] = ["oneOf", "anyOf", "allOf"];
 
-/// The largest limits that are not those of a floating-point type.
+/// The maximum limit that is shown. Larger limits are the limits of a floating-point type.
 const MAX_LIMIT: f64 = 1e30;
 
 /// Splits a schema into parts.
@@ -35,7 +35,7 @@ fn part(schema: &Value) -> Part<'static> {
         .unwrap_or_else(|| fields("Value", vec![row("", &without_description(schema), "")]))
 }
 
-/// The description of a part is above its table.
+/// A copy without the description, which is shown above the table.
 fn without_description(schema: &Value) -> Value {
     let mut schema = schema.clone();
     if let Some(keywords) = schema.as_object_mut() {
@@ -49,7 +49,7 @@ fn fields(title: &str, rows: Vec<[String; 6]>) -> Part<'static> {
     Part { title: title.to_owned(), description: "", columns, rows }
 }
 
-/// The table of the fields or elements, including those of nested schemas without a name.
+/// The table of the fields or elements, including the fields of nested schemas without a name.
 fn members(schema: &Value) -> Option<Part<'static>> {
     let mut rows = Vec::new();
     add_members("", schema, &mut rows);

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-/// Escapes text. Code in backticks stays code.
+/// Escapes text. Code in backticks remains code.
 pub(super) fn text(text: &str) -> String {
     let mut rest = text;
     let mut shown = String::new();
