@@ -122,6 +122,7 @@ def _shortest(value: float) -> str:
     """The shortest text that is read as the same float of 32 bits."""
     if value != value:
         return "NaN"
+    text = ""
     for precision in range(1, 10):
         text = f"{value:.{precision}g}"
         try:

@@ -1049,7 +1049,7 @@ class MessageBody(TypedDict):
 MessageId: TypeAlias = str
 """Id of a message. Any string is valid; UUIDs are common.
 
-Not stated: a maximum length. Only the JSON Schema has one.
+Only the JSON Schema has a maximum length.
 
 Length: 1 to 36.
 """
@@ -1058,7 +1058,7 @@ Length: 1 to 36.
 ObjectId: TypeAlias = str
 """Id of a UAV, beacon, docking station or other object known to the server. Ids are unique across all object types.
 
-Not stated: the length limits and the excluded slash. Only the JSON Schema has them; this also applies to the limits of the id types below.
+Only the JSON Schema has the length limits and excludes the slash. This also applies to the limits of the id types below.
 
 Length: 1 to 64; pattern: ^[^/]+$.
 """
@@ -2358,7 +2358,7 @@ class DevSubRequest(TypedDict):
 
     Subscribes to channels, or to all channels below devices. A client may subscribe to the same path several times.
 
-    Not stated: the meaning of lazy. The specification text does not mention it; the JSON Schema only gives its type.
+    Not stated: the meaning of lazy. Its type comes from the JSON Schema.
 
     Responses: DEV-SUB.
     """
@@ -3643,7 +3643,7 @@ class SysMsgNotification(TypedDict):
 
     Sends messages to the users of the client.
 
-    Not stated: that there is at least one item. Only the JSON Schema requires it.
+    Only the JSON Schema requires at least one item.
     """
 
     type: Literal["SYS-MSG"]

@@ -723,7 +723,7 @@ export interface MessageBody {
 /**
  * Id of a message. Any string is valid; UUIDs are common.
  *
- * Not stated: a maximum length. Only the JSON Schema has one.
+ * Only the JSON Schema has a maximum length.
  *
  * Length: 1 to 36.
  */
@@ -732,7 +732,7 @@ export type MessageId = string;
 /**
  * Id of a UAV, beacon, docking station or other object known to the server. Ids are unique across all object types.
  *
- * Not stated: the length limits and the excluded slash. Only the JSON Schema has them; this also applies to the limits of the id types below.
+ * Only the JSON Schema has the length limits and excludes the slash. This also applies to the limits of the id types below.
  *
  * Length: 1 to 64; pattern: ^\[^/\]+\$.
  */
@@ -1948,7 +1948,7 @@ export interface DevListsubResponse {
  *
  * Subscribes to channels, or to all channels below devices. A client may subscribe to the same path several times.
  *
- * Not stated: the meaning of lazy. The specification text does not mention it; the JSON Schema only gives its type.
+ * Not stated: the meaning of lazy. Its type comes from the JSON Schema.
  *
  * Responses: DEV-SUB.
  */
@@ -3154,7 +3154,7 @@ export interface SysCloseNotification {
  *
  * Sends messages to the users of the client.
  *
- * Not stated: that there is at least one item. Only the JSON Schema requires it.
+ * Only the JSON Schema requires at least one item.
  */
 export interface SysMsgNotification {
   /** The type of the message. */

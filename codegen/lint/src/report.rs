@@ -29,7 +29,7 @@ mod totals;
 use uavspec_schema::json_text;
 
 pub use self::model::{
-    Entry, Format, GUIDE_URL, Place, READING_PAGE, RULES_URL, Region, Report, RuleInfo, rule_url,
+    Entry, Format, Place, READING_PAGE, Region, Report, RuleInfo, rule_page, rule_url, site_url,
 };
 pub use self::totals::{RuleTotal, Totals};
 
@@ -40,7 +40,7 @@ impl Report {
     }
 
     /// Like [`to_text`](Self::to_text), with the totals of the run if the format has a place for them. JSON lists and
-    /// `JUnit` XML have none.
+    /// `JUnit` XML have no such place.
     pub fn to_text_with_totals(&self, format: Format, totals: &Totals) -> String {
         self.write(format, Some(totals))
     }
@@ -57,8 +57,7 @@ impl Report {
 }
 
 impl Totals {
-    /// The totals without findings, in a format. SARIF, `JUnit` and Code Quality reports contain findings, so they have no
-    /// such form.
+    /// The totals without findings, in a format. SARIF, `JUnit` and Code Quality reports can't contain only totals.
     pub fn to_summary(&self, format: Format) -> Option<String> {
         match format {
             Format::Json => Some(json_text::pretty(&self.to_json())),

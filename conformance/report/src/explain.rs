@@ -45,7 +45,7 @@ pub struct Unknown {
     pub help: String,
 }
 
-/// Explains a word by the definitions and all releases, or by one release. The most specific answer comes first.
+/// Explains a word based on the definitions and all releases, or on one release. The most specific answer comes first.
 pub fn explain(library: &Library, word: &str, release: Option<ReleaseId>) -> Result<Explanation, Unknown> {
     let word = word.trim();
     if word.is_empty() || word.len() > MAX_WORD {

@@ -10,7 +10,7 @@ use super::kind::{Format, Parts};
 use super::{Report, Subject};
 
 /// The list of subjects, in a report without subjects. Texts contain no line breaks, and the lines of inner objects are
-/// indented further, so no other line is like it.
+/// indented further, so this line is unique.
 const NO_SUBJECTS: &str = "\n  \"subjects\": [],\n";
 
 /// A JSON report under construction.

@@ -51,7 +51,7 @@ impl Kind {
     /// Starts a report of a command. `command` is the command line that reproduces it.
     ///
     /// The formats escape all text of the input. A guard escapes hidden characters that a format misses. JSON escapes
-    /// hidden characters without loss. The guard of the terminal handles text, because it knows colours.
+    /// hidden characters without loss. The guard of the terminal handles text, because it recognizes colours.
     pub(super) fn format(self, action: Action, command: &str) -> Box<dyn Format> {
         match self {
             Self::Text => Box::new(Text),

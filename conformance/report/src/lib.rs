@@ -135,7 +135,8 @@ pub struct RuleReport {
     pub source: &'static str,
     /// The kind of data that the rule applies to.
     pub applies_to: &'static str,
-    /// The URL of the rule's page.
+    /// The URL of the rule's page; absent if the documentation site is not published.
+    #[serde(skip_serializing_if = "String::is_empty")]
     pub url: String,
     /// The worst verdict across all subjects.
     pub verdict: Verdict,
@@ -236,7 +237,8 @@ pub struct Finding {
     pub status: String,
     /// The requirement.
     pub statement: &'static str,
-    /// The URL of the rule's page.
+    /// The URL of the rule's page; absent if the documentation site is not published.
+    #[serde(skip_serializing_if = "String::is_empty")]
     pub url: String,
     /// The verdict: fail, warning, known or info.
     pub verdict: Verdict,

@@ -124,10 +124,7 @@ fn findings(page: &mut Page, rules: &[Listed<'_>], is_single: bool) {
     }
     for listed in rules.iter().take(MAX_RULES) {
         let Listed { rule, groups, .. } = listed;
-        page.heading(
-            3,
-            &format!("{}: {} {}", rule.verdict.name(), link(&code(rule.id), &rule.url), level(rule)),
-        );
+        page.heading(3, &format!("{}: {} {}", rule.verdict.name(), rule_link(rule), level(rule)));
         page.block(&with_code(rule.statement));
         for group in groups.iter().take(MAX_GROUPS) {
             write_group(page, rule, group, is_single);
@@ -137,6 +134,12 @@ fn findings(page: &mut Page, rules: &[Listed<'_>], is_single: bool) {
             page.block(&format!("… and {}.", plural(more, "other finding")));
         }
     }
+}
+
+/// The id, with a link to the rule's page if it is published.
+fn rule_link(rule: &RuleReport) -> String {
+    let id = code(rule.id);
+    if rule.url.is_empty() { id } else { link(&id, &rule.url) }
 }
 
 /// The level, and the status if it isn't normative.
@@ -191,7 +194,7 @@ fn other_rules(page: &mut Page, by_rule: &ByRule<'_>) {
     for rule in rest.chain(by_rule.others.iter().copied().filter(is_shown)) {
         table.row([
             rule.verdict.name().to_owned(),
-            link(&code(rule.id), &rule.url),
+            rule_link(rule),
             level(rule),
             with_code(rule.statement),
             thousands(rule.findings),

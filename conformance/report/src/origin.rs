@@ -7,7 +7,7 @@ use uavspec_capture::input::Input;
 pub struct Origin {
     /// The size in bytes, before decompression.
     pub size: Option<u64>,
-    /// The version that an object store states.
+    /// The version that the object store reports.
     pub etag: Option<String>,
 }
 

@@ -43,7 +43,8 @@ pub(crate) struct Entry {
     checked_by: &'static str,
     /// The bugs that the self-test inserts.
     mutants: Vec<&'static str>,
-    /// The page about the rule.
+    /// The page about the rule; absent if the documentation site is not published.
+    #[serde(skip_serializing_if = "String::is_empty")]
     url: String,
 }
 

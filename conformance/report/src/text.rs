@@ -38,8 +38,8 @@ impl Format for Text {
     }
 }
 
-/// Renders the end of a report: the files without a section, the failures of the run, and its outcome unless it is that
-/// of the only subject.
+/// Renders the end of a report: the files without a section, the failures of the run, and the outcome of the run,
+/// unless it is the outcome of the only subject.
 pub fn end(report: &Report) -> String {
     let mut text = String::new();
     let reasons: Vec<String> = report.reasons.iter().map(Reason::to_string).collect();

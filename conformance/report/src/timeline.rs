@@ -38,7 +38,7 @@ struct Entry<'s> {
     value: &'s Value,
 }
 
-/// All listed changes in chronological order. First values come first.
+/// All listed changes in chronological order. The first values of all lanes come first.
 fn entries(timeline: &Timeline) -> Vec<Entry<'_>> {
     let mut entries: Vec<Entry<'_>> = Vec::new();
     for lane in &timeline.lanes {
@@ -53,7 +53,7 @@ fn entries(timeline: &Timeline) -> Vec<Entry<'_>> {
     entries
 }
 
-/// True if a lane may have had its first value before. A report states when it was made.
+/// True if a lane may have had its first value earlier. A report has a known time.
 fn is_at_start(entry: &Entry<'_>) -> bool {
     entry.change.is_first && entry.lane.kind != LaneKind::Check
 }
@@ -68,7 +68,7 @@ fn lane_name(lane: &Lane) -> String {
     }
 }
 
-/// The label that a report shows after a value: in a lane of a flag, the flag's own label.
+/// True if the lane shows a flag.
 fn is_flag(lane: &Lane) -> bool {
     lane.kind == LaneKind::Flag
 }

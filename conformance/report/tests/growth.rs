@@ -368,7 +368,7 @@ fn allocations_grow_linearly_with_each_dimension() {
     };
     let captures = CAPTURES.iter().flat_map(|dimension| WORK.iter().map(move |work| (dimension, *work)));
     let inputs = INPUTS.iter().map(|(dimension, run)| (dimension, ("read", *run)));
-    // The quick step leads to each kind of work.
+    // Even the larger step of quick mode covers each kind of work.
     for ((name, count, input), (work, run)) in captures.chain(inputs).step_by(extent(1, 41)) {
         compare(name, work, *count, *input, run);
     }

@@ -19,7 +19,7 @@ pub(crate) static ROWS: LazyLock<Vec<Row>> =
 /// In quick mode, the mutants of one in this many rules are tested.
 const STEP: usize = 37;
 
-/// All mutants; in quick mode, those of a few rules of both families and of the given rules.
+/// All mutants; in quick mode, the mutants of a few rules of both families and of the given rules.
 pub(crate) fn tested_mutants(also: &[&'static str]) -> impl Iterator<Item = Mutant> {
     let some = RULES.iter().step_by(extent(1, STEP)).map(|rule| rule.id);
     let ids: BTreeSet<&str> = some.chain(also.iter().copied()).collect();

@@ -1,8 +1,8 @@
 //! Events of PX4: their ids, arguments and texts.
 //!
-//! PX4 reports what happens as *events*. An event consists of an id and up to 25 bytes of arguments. The names, texts and
-//! argument types of the events are in *event metadata*, a JSON file that belongs to a build of the firmware. The sources
-//! are libevents (<https://github.com/mavlink/libevents>) and `Event.msg` of PX4.
+//! PX4 reports occurrences as *events*. An event consists of an id and up to 25 bytes of arguments. The names, texts
+//! and argument types of the events are in *event metadata*, a JSON file that belongs to a build of the firmware. The
+//! sources are libevents (<https://github.com/mavlink/libevents>) and `Event.msg` of PX4.
 //!
 //! ```
 //! use uavspec_runtime::event::{Argument, Profile, Text};
@@ -28,7 +28,7 @@ pub use self::text::{Argument, Labels, Piece, Placeholder, Shown, Tag, Text, UNI
 /// The number of bytes that an event reserves for its arguments.
 pub const MAX_ARGUMENTS_SIZE: usize = 25;
 
-/// The greatest sub id of an event. The component id is above it.
+/// The greatest sub id of an event. The bits above it contain the component id.
 pub const MAX_SUB_ID: u32 = 0xFF_FFFF;
 
 /// The sub id that PX4 derives from the name of an event: the lower 24 bits of the name's FNV-1a hash.
@@ -42,7 +42,7 @@ pub const fn sub_id(name: &str) -> u32 {
     hash & MAX_SUB_ID
 }
 
-/// The readers for whom a part of a text is meant.
+/// The intended readers of a part of a text.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Profile {
     /// Users of vehicles.

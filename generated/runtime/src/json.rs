@@ -96,11 +96,11 @@ pub trait Field: Sized {
     fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error>;
 }
 
-/// A source of values: the members of an object, or the elements of a sequence. It stores the error of a value, so
-/// generated code needs no `Result` for each field and compiles faster.
+/// A source of values: the members of an object, or the elements of a sequence. The source stores the error of a value,
+/// so generated code needs no `Result` for each field and compiles faster.
 #[doc(hidden)]
 pub trait Source<'de> {
-    /// Reads the next value into `field`, which stays as it is after an error.
+    /// Reads the next value into `field`, which stays unchanged after an error.
     fn read<T: Field>(&mut self, field: &mut T);
 }
 

@@ -9,8 +9,8 @@
 //! doesn't check ranges, lengths or patterns, so a program can read an invalid message and report the violation.
 //!
 //! Sets, and named strings, numbers and booleans, can be read from any serde format. They can also be the keys of a
-//! JSON object. All other types parse the whole value before they read it. This requires a self-describing format, such
-//! as JSON.
+//! JSON object. All other types parse the whole value before they read it. Parsing requires a self-describing format,
+//! such as JSON.
 //!
 //! NaN and infinity have no JSON form: writing them is an error that names the field.
 //!
@@ -62,14 +62,14 @@ const TYPE: &str = "type";
 /// `serde_json` can read this object.
 const NUMBER: &str = "$serde_json::private::Number";
 
-/// The Rust type of a JSON type: of a type that a page defines, or of the values in its fields.
+/// The Rust type of a JSON type: a type that a page defines, or the type of a field.
 #[doc(hidden)]
 pub trait JsonType: Sized {
     /// Writes the value. Error messages contain the name `field`.
     fn write<S: Serializer>(&self, field: &'static str, serializer: S) -> Result<S::Ok, S::Error>;
 
-    /// Reads a value. A type without parts implements `parse` instead, and any other type this method: each calls the
-    /// other one.
+    /// Reads a value. A type without parts implements `parse` instead; any other type implements this method. By
+    /// default, each method calls the other.
     fn read(json: &Json, _: &mut Choices) -> Result<Self, Error> {
         Self::parse(json)
     }
@@ -178,11 +178,11 @@ impl<'de> Visitor<'de> for Parser {
     }
 }
 
-/// The choices between alternatives that have been made in a value: for each type with alternatives, and each value
-/// that was read as this type, the index of the first alternative that may accept the value.
+/// The choices between alternatives made while reading. For each value and each type as which the value was read,
+/// contains the index of the first alternative that may accept the value.
 ///
-/// If an alternative rejects a value, the next alternative reads the nested values again. Without the choices, the time
-/// would double with each level of nesting.
+/// If an alternative rejects a value, the next alternative reads the nested values again. Without these choices, the
+/// time would double with each level of nesting.
 #[doc(hidden)]
 #[derive(Debug, Default)]
 pub struct Choices(BTreeMap<(*const Json, TypeId), usize>);
@@ -267,7 +267,7 @@ pub struct Elements<'j> {
 }
 
 impl<'j> Elements<'j> {
-    /// The elements of an array. Returns an error if there are more than `most`.
+    /// The elements of an array. Returns an error if there are more than `max`.
     pub fn of(json: &'j Json, expected: &'static str, max: usize) -> Result<Self, Error> {
         let all = array(json, expected)?;
         if all.len() > max {
@@ -550,7 +550,7 @@ pub fn start_message<S: Serializer>(name: &str, serializer: S) -> Result<S::Seri
     Ok(map)
 }
 
-// A page can define a type with any name, such as that of a generic parameter. The macros therefore write `Self`
+// A page can define a type with any name, such as the name of a generic parameter. The macros therefore write `Self`
 // instead of the name within functions, and declare no types.
 
 /// Implements the serde traits for a `JsonType`.

@@ -76,7 +76,7 @@ macro_rules! __format_enum {
         impl $crate::defmt::Format for $type {
             fn format(&self, formatter: $crate::defmt::Formatter<'_>) {
                 use $crate::defmt;
-                #[allow(unreachable_patterns, clippy::match_same_arms)] // of several names for a value, the first wins
+                #[allow(unreachable_patterns, clippy::match_same_arms)] // the first name of a value wins
                 match self.0 {
                     $($known => defmt::write!(formatter, $name),)*
                     number => defmt::write!(formatter, "{}", number),

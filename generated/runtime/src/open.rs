@@ -75,7 +75,7 @@ macro_rules! open {
         impl $type {
             /// The name of the value in the definition, without its prefix.
             pub const fn name(self) -> ::core::option::Option<&'static str> {
-                #[allow(unreachable_patterns)] // of several names for a value, the first wins
+                #[allow(unreachable_patterns)] // the first name of a value wins
                 match self.0 {
                     $($known => ::core::option::Option::Some($name),)*
                     _ => ::core::option::Option::None,

@@ -35,8 +35,8 @@
 //! });
 //! ```
 //!
-//! The strategies are built from those of proptest, according to the message descriptor, and proptest simplifies failing
-//! cases. Messages therefore need no additional code.
+//! The strategies are built from proptest's strategies, according to the message descriptor, and proptest simplifies
+//! failing cases. Messages therefore need no additional code.
 
 mod message;
 mod number;

@@ -24,7 +24,8 @@ impl<const N: usize> Text<N> {
     pub fn resized<const M: usize>(&self) -> Text<M> {
         let bytes = self.bytes();
         let is_start = |at: usize| bytes.get(at).is_none_or(|byte| byte & 0xC0 != 0x80);
-        // A character has at most four bytes. If there is no start among them, the text isn't UTF-8 and is cut anywhere.
+        // A character has at most four bytes. If no character starts within these bytes, the text isn't UTF-8 and is
+        // cut anywhere.
         let room = bytes.len().min(M);
         let end = (room.saturating_sub(3)..=room).rev().find(|at| is_start(*at)).unwrap_or(room);
         let mut resized = [0; M];

@@ -33,8 +33,9 @@ impl Content {
         let (_, schema, translations) =
             read_definitions_translated(&config).map_err(|failure| message_of(&failure))?;
         let base = schema_base(&config)?;
-        let schemas = json_schema::emit(&schema, &json_schema::Options { base: base.clone() });
-        let vectors = vectors::emit(&schema, &vectors::Options { base: Some(base) });
+        let options = base.clone().map_or_else(Default::default, |base| json_schema::Options { base });
+        let schemas = json_schema::emit(&schema, &options);
+        let vectors = vectors::emit(&schema, &vectors::Options { base });
         // Omit the files in the format of the JSON Schema Test Suite, which contain the same cases.
         let is_own = |file: &&OutputFile| file.path.ends_with(VECTORS) || file.path == VECTORS_SCHEMA;
         let vectors: Vec<&OutputFile> = vectors.iter().filter(is_own).collect();
@@ -46,13 +47,13 @@ impl Content {
     }
 }
 
-/// The URL prefix of the schemas, which the configuration sets.
-fn schema_base(config: &Path) -> Result<String, String> {
+/// The URL prefix of the schemas in the configuration, or `None` for the default.
+fn schema_base(config: &Path) -> Result<Option<String>, String> {
     let at = |message: String| format!("{}: {message}", config.display());
     let text = fs::read_to_string(config).map_err(|error| at(error.to_string()))?;
     let table: toml::Table = text.parse().map_err(|error: toml::de::Error| at(error.to_string()))?;
     let base = table.get("output").and_then(|output| output.get("json_schema")?.get("base")?.as_str());
-    base.map(str::to_owned).ok_or_else(|| at("`output.json_schema.base` is not set".to_owned()))
+    Ok(base.map(str::to_owned))
 }
 
 fn files(emitted: &[OutputFile]) -> Vec<File> {

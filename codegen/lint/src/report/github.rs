@@ -22,12 +22,13 @@ pub(super) fn write(report: &Report, totals: Option<&Totals>) -> String {
         let region = region(entry.place.region);
         let category = entry.category.map(|category| format!(" ({category})")).unwrap_or_default();
         let message = format!("{}\n{}\n{}", entry.message, entry.help, entry.url);
+        let message = message.trim_end();
         let _ = writeln!(
             text,
             "::{command} file={}{region},title={}::{}",
             property(&entry.place.path),
             property(&format!("{}{category}", entry.rule)),
-            data(&message),
+            data(message),
         );
     }
     text

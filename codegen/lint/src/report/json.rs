@@ -35,7 +35,9 @@ fn entry(entry: &Entry) -> Value {
         put("related", Value::Array(related));
     }
     put("fixable", json!(entry.is_fixable));
-    put("url", json!(entry.url));
+    if !entry.url.is_empty() {
+        put("url", json!(entry.url));
+    }
     Value::Object(object)
 }
 

@@ -8,14 +8,12 @@ use uavspec_schema::diagnostic::{Level, Problem, ProblemKind};
 use uavspec_schema::finding::Finding;
 use uavspec_schema::source::{Position, SourceMap, Span};
 
-/// The website of the project.
-pub(super) const PROJECT_URL: &str = "https://uavspec.dev/";
-
-/// The URL of the guide, to which page names such as `lint.html` are appended.
-pub const GUIDE_URL: &str = "https://uavspec.dev/guide/";
-
-/// The URL of the rule pages.
-pub const RULES_URL: &str = "https://uavspec.dev/docs/rules/";
+/// The address of the documentation site: `homepage` in the workspace's `Cargo.toml`. `None` if it is in the domain
+/// `.invalid`, which RFC 6761 reserves: the site is then not published.
+pub fn site_url() -> Option<&'static str> {
+    let homepage = env!("CARGO_PKG_HOMEPAGE");
+    (!homepage.ends_with(".invalid")).then_some(homepage)
+}
 
 /// The page for parser errors that are not rules.
 pub const READING_PAGE: &str = "reading";
@@ -176,12 +174,17 @@ impl Entry {
     }
 }
 
-/// The URL of a rule's page, or of the section about a parser error.
-pub fn rule_url(rule: &str) -> String {
+/// The path of a rule's page on the documentation site, or of the section about a parser error.
+pub fn rule_page(rule: &str) -> String {
     match reader_kind(rule) {
-        Some(_) => format!("{RULES_URL}{READING_PAGE}.html#{rule}"),
-        None => format!("{RULES_URL}{rule}.html"),
+        Some(_) => format!("docs/rules/{READING_PAGE}.html#{rule}"),
+        None => format!("docs/rules/{rule}.html"),
     }
+}
+
+/// The URL of a rule's page; empty if the documentation site is not published.
+pub fn rule_url(rule: &str) -> String {
+    site_url().map_or_else(String::new, |site| format!("{site}/{}", rule_page(rule)))
 }
 
 /// The parser error with this id, unless it is also a rule of `lint`.

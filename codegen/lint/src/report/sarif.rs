@@ -17,7 +17,7 @@ use uavspec_schema::json_text;
 use uavspec_schema::prose::{gist, percent_encoded};
 
 use super::fingerprint::Fingerprints;
-use super::model::{Entry, PROJECT_URL, Place, Region, Report, RuleInfo};
+use super::model::{Entry, Place, Region, Report, RuleInfo, site_url};
 use super::totals::Totals;
 
 /// The URL of the format's schema.
@@ -67,13 +67,13 @@ pub fn write_log(
         }
         Ok(result)
     });
+    let mut driver = json!({ "name": "uavspec", "version": env!("CARGO_PKG_VERSION") });
+    if let Some(site) = site_url() {
+        driver["informationUri"] = json!(site);
+    }
+    driver["rules"] = rules.iter().map(rule).collect();
     let run = Run {
-        tool: json!({ "driver": {
-            "name": "uavspec",
-            "version": env!("CARGO_PKG_VERSION"),
-            "informationUri": PROJECT_URL,
-            "rules": rules.iter().map(rule).collect::<Vec<_>>(),
-        } }),
+        tool: json!({ "driver": driver }),
         automation_details: json!({ "id": format!("uavspec/{command}/") }),
         column_kind: "unicodeCodePoints",
         results: Once(RefCell::new(&mut results)),
@@ -94,7 +94,7 @@ struct Log<'l> {
 #[serde(rename_all = "camelCase")]
 struct Run<'l> {
     tool: Value,
-    /// The results of one command must not replace those of another command.
+    /// The results of one command must not replace the results of another command.
     automation_details: Value,
     column_kind: &'l str,
     results: Once<'l>,
@@ -102,7 +102,7 @@ struct Run<'l> {
     properties: Option<Value>,
 }
 
-/// Results that are written while they are read, because there may be any number of them.
+/// Serializes results while they are read, because there may be any number of them.
 struct Once<'l>(RefCell<&'l mut dyn Iterator<Item = io::Result<Map<String, Value>>>>);
 
 impl Serialize for Once<'_> {

@@ -1,4 +1,4 @@
-//! Finds the constants that a field contains, if the definition doesn't state them.
+//! Finds the constants that a field contains, if the definition doesn't name them.
 
 use uavspec_rules::definitions::ReleaseId;
 use uavspec_runtime::Scalar;
@@ -19,10 +19,10 @@ const MODE_MASKS: [(&str, &str, &str); 3] = [
 /// Words in the names of fields whose values are masks.
 const FLAG_WORDS: [&str; 3] = ["flags", "bitfield", "mask"];
 
-/// The source of constants that the definition of the field states.
+/// The source of constants in the definition of the field.
 pub(super) const STATED: &str = "the definition";
 
-/// The sources of inferred constants. These sources don't state whether the values are masks.
+/// The sources of inferred constants. These sources don't specify whether the values are masks.
 const BY_NAME: &str = "the names of the constants";
 const BY_POSITION: &str = "the position and the names of the constants";
 
@@ -35,7 +35,7 @@ pub(super) struct Annotation {
     pub(super) text: String,
     /// The source of the constants.
     pub(super) known_from: String,
-    /// True if the constants were inferred. All other sources state whether the values are masks.
+    /// True if the constants were inferred. All other sources specify whether the values are masks.
     pub(super) is_inferred: bool,
 }
 
@@ -91,13 +91,13 @@ pub(super) fn find(
     Some(guess(&prefix, BY_POSITION))
 }
 
-/// The annotation for constants that the definition doesn't state.
+/// The annotation for constants that the definition doesn't name.
 fn inferred(text: &str, name: &str, prefix: &str) -> String {
     let values = constants_with(text, prefix).filter_map(|(_, value)| value.parse::<i128>().ok());
     let has_zero_and_masks = { values.clone() }.any(|value| value == 0)
         && { values.clone() }.any(|value| value > 1)
         && { values }.all(|value| value == 0 || value.count_ones() == 1);
-    // With a constant for no bit, masks look like the numbers of bits.
+    // If a constant means that no bit is set, masks look like bit numbers.
     let are_flags = FLAG_WORDS.iter().any(|word| name.contains(word)) && !has_zero_and_masks;
     format!("[@{} {prefix}]", if are_flags { "flags" } else { "enum" })
 }
@@ -185,8 +185,8 @@ fn constants_with<'t>(text: &'t str, prefix: &str) -> impl Iterator<Item = (&'t 
     constants.filter(move |(name, _)| has_prefix(name, &prefix))
 }
 
-/// True if the last word of a prefix is a word of a field's name, possibly in the plural. Masks for shifting bits are
-/// no values.
+/// True if the last word of a prefix is a word of a field's name, possibly in the plural. Masks for shifting bits
+/// aren't values.
 fn is_named_after(prefix: &str, name: &str) -> bool {
     let last = prefix.rsplit('_').next().unwrap_or(prefix);
     let is_equal = |word: &str| {

@@ -55,7 +55,7 @@ impl Located {
         &self.message().fields[self.at.1]
     }
 
-    /// The constraints: those of the release, or those of the documented field.
+    /// The constraints of the release, or of the documented field.
     pub(super) fn constraints<'c>(&'c self, catalogue: &Catalogue<'c>) -> Vec<&'c Constraint> {
         let documented = catalogue.documented_field(self.schema(), self.message(), self.field());
         let mut constraints: Vec<&Constraint> = self.field().constraints.iter().collect();

@@ -14,7 +14,7 @@ pub(super) fn is_message_hash(word: &str) -> bool {
     digits.len() == 8 && digits.bytes().all(|byte| byte.is_ascii_hexdigit())
 }
 
-/// Finds the definitions with a hash. `None` if the word is no hash, or if no definition has it.
+/// Finds the definitions with a hash. `None` if the word isn't a hash, or if no definition has it.
 pub(super) fn find(catalogue: &Catalogue<'_>, word: &str) -> Option<Hash> {
     let (form, hash) = if is_message_hash(word) {
         ("uorb", word[word.len() - 8..].to_ascii_lowercase())

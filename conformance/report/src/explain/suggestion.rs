@@ -12,7 +12,7 @@ use super::{MAX_WORD, Unknown, error_code};
 /// The help if no name is similar.
 const HELP: &str = "name an error code, a topic, a message, a field, a value, a constant, a hash or a rule";
 
-/// The problem of a text that is no word.
+/// The problem of a text that isn't a word.
 pub(super) fn not_a_word() -> Unknown {
     let problem = format!("expected a word of 1 to {MAX_WORD} bytes");
     Unknown { problem, help: HELP.to_owned() }

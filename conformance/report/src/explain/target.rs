@@ -93,7 +93,8 @@ fn newest_of_each_family(
         .collect()
 }
 
-/// The item in the newest release of the definition. If that release lacks the item, the newest release with the item.
+/// The item in the newest release of the definition. If that release lacks the item, the newest release with the item
+/// is used.
 fn newest_item(
     catalogue: &Catalogue<'_>,
     name: &str,

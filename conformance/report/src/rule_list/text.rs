@@ -44,7 +44,10 @@ pub fn rule(rule: &Rule) -> String {
     for (title, section) in sections.iter().filter(|(_, section)| !section.is_empty()) {
         let _ = write!(text, "\n{title}\n{section}");
     }
-    let _ = writeln!(text, "\n{}", rule_url(rule.id));
+    let url = rule_url(rule.id);
+    if !url.is_empty() {
+        let _ = writeln!(text, "\n{url}");
+    }
     text
 }
 

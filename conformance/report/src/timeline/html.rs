@@ -20,7 +20,7 @@ use super::{
 use crate::html::{page_foot, page_head};
 use crate::outcome::capitalized;
 
-/// The style sheet of the picture, which follows that of all reports.
+/// The style sheet of the picture, which follows the style sheet of all reports.
 const STYLE: &str = include_str!("html/timeline.css");
 
 /// The script, which is embedded in the page.

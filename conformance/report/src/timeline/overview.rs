@@ -20,7 +20,7 @@ pub(super) fn sentences(overview: &Overview, language: &str) -> Vec<String> {
 pub struct WhyNotArm {
     /// The time since the start, in µs. `None` asks about the whole capture.
     pub time_us: Option<i64>,
-    /// The name of a mode. `None` asks about the modes in which the vehicle was.
+    /// The name of a mode. `None` asks about the modes that the vehicle was in.
     pub mode: Option<String>,
 }
 
@@ -48,7 +48,7 @@ impl WhyNotArm {
     }
 }
 
-/// Joins refusals of the same mode that follow one another. The result has the reasons of all of them.
+/// Joins consecutive refusals of the same mode. The result has all of their reasons.
 fn joined<'o>(refusals: impl Iterator<Item = &'o Refusal>) -> Vec<Refusal> {
     let mut joined: Vec<Refusal> = Vec::new();
     for refusal in refusals {

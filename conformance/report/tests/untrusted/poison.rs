@@ -1,6 +1,6 @@
 //! Reports in which every text from outside has the same content.
 //!
-//! The patterns name every field, so a new field doesn't compile until someone decides if its text is untrusted.
+//! The patterns name every field, so a new field doesn't compile until someone decides whether its text is untrusted.
 
 use std::collections::BTreeSet;
 use std::sync::OnceLock;

@@ -13,7 +13,7 @@ const ENGLISH: &str = "en";
 /// An event of event metadata.
 #[derive(Debug)]
 pub struct EventDescriptor {
-    /// The id, with the component.
+    /// The id, which includes the id of the component.
     pub id: u32,
     /// The name of the component.
     pub namespace: &'static str,
@@ -91,8 +91,8 @@ impl EventDescriptor {
         self.arguments.iter().map(|argument| argument.scalar.size()).sum()
     }
 
-    /// The message of an event with these arguments, for a reader of this profile and language. Other languages than
-    /// those of the definitions are shown in English.
+    /// The message of an event with these arguments, for a reader of this profile and language. If the language isn't
+    /// available, the message is in English.
     pub fn message<'a>(
         &'static self,
         arguments: &'a [u8],
@@ -152,7 +152,7 @@ impl EventDescriptor {
     }
 }
 
-/// The entry in a language, or else the one in English.
+/// The entry in a language, or the English entry if there is none.
 fn in_language<T>(all: &'static [T], language: &str, tag: impl Fn(&T) -> &'static str) -> Option<&'static T> {
     let find = |wanted: &str| all.iter().find(|found| tag(found).eq_ignore_ascii_case(wanted));
     find(language).or_else(|| find(ENGLISH))
@@ -186,7 +186,7 @@ pub trait Event: Sized {
     /// The descriptor.
     const DESCRIPTOR: &'static EventDescriptor;
 
-    /// The id, with the component.
+    /// The id, which includes the id of the component.
     const ID: u32 = Self::DESCRIPTOR.id;
 
     /// Reads the arguments. The source has enough bytes.
@@ -197,7 +197,7 @@ pub trait Event: Sized {
     #[doc(hidden)]
     fn write(&self, sink: &mut ArgumentWriter);
 
-    /// Decodes the arguments. Bytes after them are ignored: they are zero in messages of PX4.
+    /// Decodes the arguments. Bytes after the arguments are ignored; in PX4's messages, they are zero.
     fn decode(arguments: &[u8]) -> Result<Self, Fault> {
         let (needed, left) = (Self::DESCRIPTOR.size(), arguments.len());
         if left < needed {
@@ -206,7 +206,7 @@ pub trait Event: Sized {
         Ok(Self::read(&mut ArgumentReader { rest: arguments }))
     }
 
-    /// Encodes the arguments. The bytes after them are zero.
+    /// Encodes the arguments, followed by zeros.
     fn encode(&self) -> [u8; MAX_ARGUMENTS_SIZE] {
         let mut sink = ArgumentWriter { bytes: [0; MAX_ARGUMENTS_SIZE], length: 0 };
         self.write(&mut sink);
@@ -248,7 +248,7 @@ impl ArgumentWriter {
     }
 }
 
-/// Joins the levels for logs and for ground stations to the field `log_levels` of an event.
+/// Combines the levels for logs and for ground stations into the field `log_levels` of an event.
 pub const fn log_levels(internal: LogLevel, external: LogLevel) -> u8 {
     (internal as u8) << 4 | external as u8
 }

@@ -1,4 +1,4 @@
-//! The texts of events, in which tags and placeholders have a meaning.
+//! The texts of events, which contain tags and placeholders.
 
 use core::fmt::{self, Write};
 
@@ -14,9 +14,9 @@ const MAX_DIGITS: u8 = 20;
 ///
 /// - A backslash escapes the next character.
 /// - `{N}` is the argument with this number, from 1. `{N:.D}` shows `D` decimal places. A unit may follow: `{N:.Dm/s}`.
-/// - `<profile name="dev">…</profile>` is only for developers. With `!dev`, the content is for all others.
+/// - `<profile name="dev">…</profile>` is only for developers. With `!dev`, the content is for all other readers.
 /// - `<param>NAME</param>` is the name of a parameter, and `<a href="URL">…</a>` a link.
-/// - Other tags disappear with their content.
+/// - Other tags are removed with their content.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Text<'t>(&'t str);
 
@@ -141,7 +141,7 @@ fn tag(text: &str) -> Option<(Tag<'_>, &str)> {
     Some((Tag { name, attribute, content }, &after[name.len() + 1..]))
 }
 
-/// The places of `</` in a text: the text before and the text after each.
+/// The occurrences of `</` in a text, each as the text before and the text after it.
 fn ends(body: &str) -> impl Iterator<Item = (&str, &str)> {
     body.match_indices("</").map(|(at, end)| (&body[..at], &body[at + end.len()..]))
 }
@@ -247,7 +247,7 @@ impl Shown<'_, '_> {
             match piece {
                 Piece::Plain(plain) | Piece::Escaped(plain) | Piece::Stray(plain) => to.write_str(plain)?,
                 Piece::Placeholder(placeholder) => self.placeholder(placeholder, to)?,
-                // The content can't contain another tag of this name that ends, so this recursion ends, too.
+                // The content can't contain a complete tag with the same name, so this recursion ends, too.
                 Piece::Tag(tag) if tag.name == "profile" && tag.is_shown(self.profile) => {
                     self.write(Text(tag.content), to)?;
                 }

@@ -1,7 +1,7 @@
 //! Strategies for the fields of messages according to a descriptor.
 //!
 //! The `room` of a strategy limits its optional values: the elements of sequences and the characters of strings. All
-//! values at one level of nesting share it.
+//! values at one nesting level share the room.
 
 use core::fmt::Debug;
 use std::string::String;
@@ -25,7 +25,7 @@ pub(super) const ROOM: usize = 1024;
 /// The maximum length of sequences and strings without a bound.
 const UNBOUNDED: usize = 40;
 
-/// Faults exceed a bound only if it is at most this large. More elements would take too long to generate.
+/// The largest bound that faults exceed. For larger bounds, generating the elements would take too long.
 const GREATEST_BOUND: u32 = 4096;
 
 /// Bytes that make text invalid UTF-8 when appended.
@@ -157,7 +157,7 @@ fn list<T: Debug + 'static>(
     prop_oneof![3 => vec(element(few), 0..=few), 1 => many].boxed()
 }
 
-/// Lists that exceed a bound, or `None` if there is no bound or a very large one.
+/// Lists that exceed a bound, or `None` if there is no bound or the bound is very large.
 fn too_long<T: Debug + 'static>(
     element: impl Fn(usize) -> BoxedStrategy<T>,
     bound: Option<u32>,

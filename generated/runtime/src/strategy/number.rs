@@ -26,7 +26,7 @@ impl<S: Strategy<Value = i128>> Strategy for Searched<S> {
     }
 }
 
-/// The numbers of a type, some of which a constraint allows.
+/// The numbers of a type. A constraint may limit them.
 #[derive(Clone, Copy)]
 pub(super) struct Numbers {
     pub(super) scalar: Scalar,
@@ -120,7 +120,7 @@ impl Numbers {
         self.scalar.integer_bounds().is_some_and(|(min, max)| (min..=max).contains(&value))
     }
 
-    /// Minimum and maximum, without special values. If the range is empty, those of the type.
+    /// Minimum and maximum, without special values; for an empty range, the limits of the type.
     #[allow(clippy::cast_possible_truncation)] // saturates, and the type has a smaller range
     fn integer_range(self) -> (i128, i128) {
         let (min, max) = self.scalar.integer_bounds().unwrap_or((0, 1));
@@ -179,7 +179,7 @@ impl Numbers {
         if self.scalar == Scalar::Float32 { f32::MAX.into() } else { f64::MAX }
     }
 
-    /// Minimum and maximum, without special values. If the range is empty, those of the type.
+    /// Minimum and maximum, without special values; for an empty range, the limits of the type.
     fn float_range(self) -> (f64, f64) {
         let max = self.greatest_float();
         let low = self.constraint.low.map_or(-max, Number::as_f64).max(-max);

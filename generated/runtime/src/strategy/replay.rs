@@ -18,7 +18,7 @@ pub(super) enum Node {
 }
 
 impl Node {
-    /// Reads a message, without enforcing bounds as codecs do.
+    /// Reads a message. Unlike codecs, doesn't enforce bounds.
     pub(super) fn message<M: Record>(self) -> M {
         let mut leaves = Vec::new();
         self.append_to(&mut leaves);

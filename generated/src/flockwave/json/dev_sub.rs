@@ -11,7 +11,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a request of type `DEV-SUB`.
 ///
-/// Not stated: the meaning of lazy. The specification text does not mention it; the JSON Schema only gives its type.
+/// Not stated: the meaning of lazy. Its type comes from the JSON Schema.
 ///
 /// Responses: `DEV-SUB`.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -9,7 +9,7 @@ use uavspec_runtime::json_object;
 
 /// Body of a notification of type `SYS-MSG`.
 ///
-/// Not stated: that there is at least one item. Only the JSON Schema requires it.
+/// Only the JSON Schema requires at least one item.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Notification {
     /// Messages.

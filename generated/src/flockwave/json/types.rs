@@ -1482,7 +1482,7 @@ json_object! {
 
 /// Id of a message. Any string is valid; UUIDs are common.
 ///
-/// Not stated: a maximum length. Only the JSON Schema has one.
+/// Only the JSON Schema has a maximum length.
 ///
 /// Length: 1 to 36.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -1503,7 +1503,7 @@ json_named! {
 
 /// Id of a UAV, beacon, docking station or other object known to the server. Ids are unique across all object types.
 ///
-/// Not stated: the length limits and the excluded slash. Only the JSON Schema has them; this also applies to the limits of the id types below.
+/// Only the JSON Schema has the length limits and excludes the slash. This also applies to the limits of the id types below.
 ///
 /// Length: 1 to 64; pattern: `^[^/]+$`.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]

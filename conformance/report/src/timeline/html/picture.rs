@@ -81,7 +81,7 @@ fn origin(timeline: &Timeline) -> i64 {
     })
 }
 
-/// The ticks of the axis for the whole flight. The script draws those of other zooms.
+/// The ticks of the axis for the whole flight. The script draws the ticks for other zoom levels.
 fn axis(timeline: &Timeline) -> Markup {
     let seconds = timeline.duration_us.div_ceil(1_000_000).max(1);
     let step = STEPS.into_iter().find(|step| seconds / step <= MAX_INTERVALS).unwrap_or(seconds);
