@@ -68,7 +68,7 @@ use uavspec_tables as tables;
 const PROGRAM: &str = "uavspec";
 
 const EXAMPLES: &str = "Five things to try:
-  uavspec sample               write a log, a bag and a session of a short flight
+  uavspec sample               write a log, a bag and a session of one flight
   uavspec check flight.ulg     check the log against the definitions of PX4
   uavspec explain flight.ulg   why the vehicle couldn't arm, and what it did
   uavspec explain 134          what an error code, field or event means
@@ -87,8 +87,8 @@ const STATUS: &str = "Exit status:
 If several statuses apply, the exit status is the first of 2, 3, 1, 6, 4 and 5
 that applies.";
 
-/// The exit statuses of a command that reports an outcome. `failure` is the meaning of status 3, `incomplete` that of
-/// status 6, if the command uses it. `test`, which runs cases, doesn't use it.
+/// The exit statuses of a command that reports an outcome. `failure` is the meaning of status 3. `incomplete` is the
+/// meaning of status 6, if the command uses this status. `test`, which runs cases, doesn't.
 fn outcome_statuses(failure: &str, incomplete: Option<&str>) -> String {
     let success = incomplete.map_or("no case failed", |_| "no MUST rule is violated");
     let incomplete = incomplete.map(|meaning| format!("\n  6  incomplete: {meaning}")).unwrap_or_default();
@@ -322,7 +322,7 @@ pub fn main() -> ExitCode {
     finish(exit.unwrap_or_else(|status| status))
 }
 
-/// Prints what to try, for a user who named no command.
+/// Prints suggestions for a user who named no command.
 fn introduce() -> ExitCode {
     terminal::println!("{}\n\n`uavspec --help` lists all commands.", EXAMPLES);
     finish(Status::Conforms)
@@ -330,12 +330,12 @@ fn introduce() -> ExitCode {
 
 /// The exit code of a status.
 fn finish(status: Status) -> ExitCode {
-    // A text that is lost is worse than any finding in it.
+    // Lost text is worse than any finding in it.
     let printed = terminal::finish().map_err(unprinted);
     ExitCode::from(status.max(printed.err().unwrap_or(status)).code())
 }
 
-/// The first option that is given. Each option comes with whether it is given.
+/// The first option that is given. Each option has a flag that is true if it is given.
 fn first_given(options: &[(&'static str, bool)]) -> Option<&'static str> {
     options.iter().find(|(_, is_given)| *is_given).map(|(name, _)| *name)
 }

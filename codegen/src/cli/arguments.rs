@@ -55,7 +55,10 @@ impl FilesArgs {
         for file in &self.files {
             match known.get(&real_path(file)?) {
                 Some(sources) => selected.extend(sources),
-                None => terminal::eprintln!("warning: {} is in no package; skipped", terminal::path(file)),
+                None => terminal::eprintln!(
+                    "warning: {} doesn't belong to a package; skipped",
+                    terminal::path(file)
+                ),
             }
         }
         Ok(Some(selected))
@@ -70,13 +73,13 @@ fn real_path(path: &Path) -> Result<PathBuf, Failure> {
 /// A package given on the command line instead of a configuration file.
 #[derive(Args, Clone, Debug)]
 pub(super) struct PackageArgs {
-    /// Read this package instead of uavspec.toml; the name is an identifier
+    /// Name for the definitions in --input, which are read instead of uavspec.toml
     #[arg(long, value_name = "NAME", required = false, requires_all = ["dialect", "input"])]
     pub(super) package: String,
-    /// Form of the package's definitions
+    /// Language of the definitions in --input
     #[arg(long, required = false, requires = "package")]
     pub(super) dialect: DialectName,
-    /// Files of the package, or folders to search
+    /// Definition files, or folders to search
     #[arg(long, value_name = "PATH", num_args = 1.., required = false, requires = "package")]
     pub(super) input: Vec<PathBuf>,
 }

@@ -31,10 +31,10 @@ pub struct BaselineArgs {
     /// hand. Until then, the run fails.
     #[arg(long, requires = "baseline")]
     fix_baseline: bool,
-    /// Write all findings that are not known yet to a baseline
+    /// Add all findings that no baseline lists to this baseline, so that they count as known
     ///
-    /// The findings then count as known. If the file exists, its comments and the reasons of its entries stay, and entries
-    /// that no longer apply are removed or updated. State the reason for each new entry.
+    /// If the file exists, its comments and the reasons of its entries stay, and entries that no longer apply are removed
+    /// or updated. Then write a reason into each new entry.
     #[arg(long, value_name = "FILE")]
     write_baseline: Option<PathBuf>,
 }
@@ -65,8 +65,8 @@ impl BaselineArgs {
         self.write_baseline.as_deref()
     }
 
-    /// Reads the baselines. `rules` are the ids of rules besides those of `lint` and `breaking`; if empty, other ids
-    /// aren't checked.
+    /// Reads the baselines. `rules` contains the valid rule ids in addition to the rules of `lint` and `breaking`; if
+    /// it is empty, other ids aren't checked.
     pub fn read(&self, rules: &[&'static str]) -> Result<Baselines, Failure> {
         let today = Date::today().map_err(Failure::new)?;
         let lists = Lists::read(&self.baseline, self.output(), rules)?;
@@ -124,8 +124,8 @@ impl Baselines {
         !self.outdated.is_empty()
     }
 
-    /// Compares the baselines with results that are in memory, and updates them if the options say so. `count` adds all
-    /// results. Returns true if a baseline is out of date.
+    /// Compares the baselines with results that are in memory, and updates them if the options request this. `count`
+    /// adds all results. Returns true if a baseline is out of date.
     pub fn compare(&mut self, scope: Scope<'_>, count: impl Fn(&Lists, &mut Sums)) -> Result<bool, Failure> {
         let counted = |lists: &Lists| {
             let mut sums = lists.sums(scope);

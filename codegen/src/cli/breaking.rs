@@ -52,7 +52,7 @@ pub struct BreakingArgs {
     /// Compare with this Git revision or folder
     #[arg(long, value_name = "REV | DIR")]
     against: String,
-    /// Type of the versions to compare
+    /// Kind of the two versions, which decides by how much MESSAGE_VERSION must increase
     #[arg(long, default_value = "commits")]
     between: Between,
     #[command(flatten)]

@@ -61,7 +61,7 @@ pub struct LintArgs {
         conflicts_with = "write_baseline"
     )]
     rule: Vec<String>,
-    /// Report only findings at this level or above
+    /// Report only findings of this level and more severe ones
     #[arg(long, conflicts_with = "write_baseline")]
     level: Option<Level>,
     /// Apply all automatic fixes, and report the remaining findings
@@ -157,7 +157,7 @@ fn check(loaded: &Loaded, settings: &Settings) -> Vec<Finding> {
     findings
 }
 
-/// Applies the automatic fixes of selected findings until none is left, and writes the changed files. Returns the
+/// Applies the automatic fixes of selected findings until none remains, and writes the changed files. Returns the
 /// number of fixes.
 fn fix(
     loaded: &mut Loaded,

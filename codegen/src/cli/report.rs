@@ -24,7 +24,7 @@ pub(super) struct ReportArgs {
     /// Print only the totals for each rule; requires --format text, json or github
     #[arg(long)]
     summary: bool,
-    /// Fail if a finding is at this level or above
+    /// Exit with status 1 if there is a finding of this level or a more severe one
     #[arg(long, value_name = "LEVEL", default_value = "error")]
     deny: Level,
     /// Report format
@@ -35,12 +35,12 @@ pub(super) struct ReportArgs {
     report: Vec<Target>,
 }
 
-/// Accepts the ids of rules. For other values, clap reports the known ids and a similar one.
+/// Accepts the ids of rules. For other values, clap reports the known ids and a similar id.
 pub(super) fn rule_ids(ids: impl IntoIterator<Item = &'static str>) -> PossibleValuesParser {
     PossibleValuesParser::new(ids)
 }
 
-/// The findings to report. Parser errors are always reported, because the other findings are incomplete then.
+/// The findings to report. Parser errors are always reported, because they make the other findings incomplete.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Selection {
     /// The selected rules; empty for all rules.

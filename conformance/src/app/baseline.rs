@@ -20,8 +20,8 @@ pub(super) fn read(args: &BaselineArgs) -> Result<Baselines, Status> {
     args.read(&rule_ids()).map_err(|failure| Status::Usage.failed(&failure))
 }
 
-/// Writes the baseline of `--write-baseline`. Returns the status of the baselines, of which one may be out of date. Errors
-/// are printed.
+/// Writes the baseline of `--write-baseline`. Returns the status of the baselines: one may be out of date. Errors are
+/// printed.
 pub(super) fn write(baselines: &Baselines, is_outdated: Result<bool, Failure>) -> Status {
     match is_outdated.map(|is_outdated| (is_outdated, baselines.write())) {
         Err(failure) => Status::Usage.failed(&failure),

@@ -31,19 +31,22 @@ use super::report::ReportArgs;
 use super::required::{RequireArgs, uncovered};
 use super::{Exit, Status, outcome_statuses, unknown};
 
-const EXAMPLES: &str = "Examples:
+const EXAMPLES: &str = "Examples, with the files of `uavspec sample`:
   uavspec check flight.ulg
+  uavspec check flight.mcap session.jsonl
   uavspec check --definitions px4@1.16 flight.ulg
-  uavspec check --definitions ../px4_msgs/msg logs/
   uavspec check --format json flight.ulg > report.json
   uavspec check --report html=report.html,junit=report.xml flight.ulg
+  uavspec check --write-baseline baseline.toml flight.ulg
+  uavspec check --baseline baseline.toml flight.ulg
+  cat flight.ulg | uavspec check -
+
+With your own files:
+  uavspec check --definitions ../px4_msgs/msg logs/
   uavspec check --report parquet=tables --timeline archive/
   uavspec check --resume tables s3://flights/2026/
-  uavspec check rosbridge.jsonl bag/bag_0.mcap
   uavspec check rosbag2_2026_11_23/
-  ssh drone cat flight.ulg | uavspec check -
   uavspec check --type px4/FailsafeFlags flags.jsonl
-  uavspec check --baseline baseline.toml archive/
   uavspec check --schema schemas/ session.jsonl";
 
 const DETAILS: &str = "\
@@ -86,8 +89,8 @@ pub(super) struct CheckArgs {
     ///
     /// Inputs are PX4 logs (.ulg), bags (.mcap, or .db3 of rosbag2), JSON messages and recorded Flockwave sessions,
     /// optionally compressed with gzip or zstd. The file type is detected from the content. Folders are searched for
-    /// .ulg, .ulge, .mcap, .db3, .json, .jsonl and .ndjson files. The folder of a rosbag2 bag is one input. Symbolic links are followed. Other files in folders are listed as not checked,
-    /// unless they are hidden.
+    /// .ulg, .ulge, .mcap, .db3, .json, .jsonl and .ndjson files. The folder of a rosbag2 bag is one input. Symbolic links
+    /// are followed. Other files in folders are listed as not checked, unless they are hidden.
     ///
     /// URLs are s3://BUCKET/FOLDER, gs://BUCKET/FOLDER, az://CONTAINER/FOLDER, and https://HOST/PATH: a capture, or a list
     /// with a URL in each line. Credentials come from the environment, or from the machine in a cloud. URLs require a
@@ -95,23 +98,22 @@ pub(super) struct CheckArgs {
     #[allow(clippy::doc_markdown, reason = "the help would show the marks of links")]
     #[arg(required = true, value_name = "FILE|URL")]
     files: Vec<PathBuf>,
-    /// Definitions to check against (default: chosen for each capture).
+    /// Definitions to check against [default: chosen for each capture].
     ///
     /// A release such as px4@1.16 or ros2@jazzy, a uavspec.toml file, a folder that contains one, or a folder of PX4
     /// messages or ROS 2 packages. By default, uavspec compares each capture with all releases of PX4 since 1.13 and of
-    /// ROS 2's common interfaces, and checks it against the release that agrees best.
+    /// ROS 2's common interfaces, and checks it against the release that matches best.
     #[arg(long, value_name = "PATH|RELEASE")]
     definitions: Option<PathBuf>,
     #[command(flatten)]
     events: EventsArgs,
-    /// Dialect of the definitions in a folder (default: detected).
+    /// Language of the definitions in a folder that --definitions names [default: detected].
     #[arg(long, value_name = "DIALECT", requires = "definitions", value_parser = dialects())]
     dialect: Option<Dialect>,
-    /// Schemas for other Flockwave types (repeatable).
+    /// Folder with JSON Schemas for Flockwave message types that uavspec doesn't define (repeatable).
     ///
-    /// All JSON Schemas (.json) in the folder and its subfolders are read. Types that have a definition are checked
-    /// against the definition. A schema may have up to 100,000 inner schemas, counting each reference like a copy.
-    /// Schemas require a program that was built with the feature `schemas`.
+    /// All .json files in the folder and its subfolders are read. Types that have a definition are checked against the
+    /// definition. Requires a program that was built with the feature `schemas`.
     #[arg(long = "schema", value_name = "DIR")]
     schemas: Vec<PathBuf>,
     /// Type of all JSON messages in the input.
@@ -126,7 +128,7 @@ pub(super) struct CheckArgs {
     require: RequireArgs,
     #[command(flatten)]
     outcome: OutcomeArgs,
-    /// Number of parallel checks (default: one per CPU).
+    /// Number of parallel checks [default: one per CPU].
     #[arg(long, value_name = "N")]
     jobs: Option<NonZeroUsize>,
     #[command(flatten)]
@@ -135,9 +137,9 @@ pub(super) struct CheckArgs {
     report: ReportArgs,
     /// Write tables to this folder, like --report parquet=DIR, and skip the captures that it contains.
     ///
-    /// Continues a run that was interrupted, or adds new captures. A capture is skipped if the object store states the same
-    /// version of it, or if a file has the same size. Captures that couldn't be read are tried again. This requires a
-    /// program that was built with the feature `tables`.
+    /// Continues a run that was interrupted, or adds new captures. A capture is skipped if it has the same version in the
+    /// object store, or if a file has the same size. Captures that couldn't be read are tried again. Requires a program
+    /// that was built with the feature `tables`.
     #[arg(long, value_name = "DIR")]
     resume: Option<PathBuf>,
     /// Also write the changes of failsafe flags, error codes, modes and arming checks, and the events of PX4, as tables.
@@ -149,7 +151,7 @@ pub(super) struct CheckArgs {
 
 /// The names of the dialects.
 fn dialects() -> impl TypedValueParser<Value = Dialect> {
-    let known = [(Dialect::Px4, "PX4's uORB messages"), (Dialect::Ros2, "ROS 2 interfaces")];
+    let known = [(Dialect::Px4, "PX4 uORB messages"), (Dialect::Ros2, "ROS 2 interfaces")];
     let names = known.map(|(dialect, help)| PossibleValue::new(dialect.name()).help(help));
     PossibleValuesParser::new(names)
         .map(|name| if name == Dialect::Px4.name() { Dialect::Px4 } else { Dialect::Ros2 })
@@ -162,7 +164,7 @@ pub(super) fn check(args: &CheckArgs) -> Exit {
     if let Some(problem) = args.report.problem().or(problem) {
         return Err(Status::Usage.because(problem));
     }
-    // A folder of tables exists from now on, and would hide that it is also a file.
+    // This check precedes the creation of the folders of tables. Folders that exist aren't compared.
     outputs::check(&Inputs::default(), &outputs_of(args))?;
     let mut outputs = args.report.start(Action::Check, args.timeline)?;
     let done = args.resume.as_deref().map(|folder| outputs.resume(folder, args.timeline)).transpose()?;

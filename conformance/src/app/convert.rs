@@ -18,11 +18,14 @@ use super::progress::Progress;
 use super::report::print_result;
 use super::{Exit, Format, Status, uninterruptible, unreadable};
 
-const EXAMPLES: &str = "Examples:
+const EXAMPLES: &str = "Examples, with the files of `uavspec sample`:
   uavspec convert flight.ulg --to px4@1.16 -o converted.ulg
-  uavspec convert flight.mcap --from px4@1.18 --to px4@1.15 -o old.mcap
+  uavspec convert flight.mcap --to px4@1.17 -o converted.mcap
+
+With your own files:
+  uavspec convert old.mcap --from px4@1.13 --to px4@1.16 -o new.mcap
   uavspec convert messages.jsonl --to px4@1.16 -o out.jsonl
-  uavspec convert flight.mcap --to px4@1.16 --hints hints.toml -o out.mcap";
+  uavspec convert old.ulg --to px4@1.16 --hints hints.toml -o new.ulg";
 
 const DETAILS: &str = "\
 The output contains the types, the type hashes and the topic versions of the target release. Topics that don't \
@@ -37,7 +40,7 @@ The output of a log contains the formats of the target release. Parameters, info
 same. Data that was appended after a crash directly follows the other data.
 
 JSON messages name their type or their topic, as for `uavspec check`. Their other members stay the same, and so do \
-values that aren't messages. A value that spans lines is written on one line.
+values that aren't messages. A value that spans several lines is written on one line.
 
 If a part of the input can't be read, the output contains all readable messages, and the exit status is 6. The same \
 applies if the input grows or changes during the conversion. After any other error and after Ctrl-C, there is no \
@@ -74,7 +77,7 @@ pub(super) struct ConvertArgs {
     /// File to write. It replaces an existing file, but never the input.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
-    /// Release of the input (default: the release that the input agrees with, for each topic).
+    /// Release of the input [default: the release that matches best, for each topic].
     #[arg(long, value_name = "RELEASE")]
     from: Option<String>,
     /// File with hints, which decide what the definitions don't decide.
@@ -82,7 +85,7 @@ pub(super) struct ConvertArgs {
     /// They take precedence over the hints for PX4 that uavspec contains.
     #[arg(long, value_name = "FILE")]
     hints: Option<PathBuf>,
-    /// Copy messages that can't be converted (default: leave them out).
+    /// Copy messages that can't be converted [default: leave them out].
     ///
     /// Such a message doesn't exist in the target release, or a part of its conversion is undecided. Its copy has the
     /// type of the input.

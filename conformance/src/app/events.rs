@@ -10,10 +10,10 @@ use super::Status;
 /// The event metadata of the vehicle.
 #[derive(Args, Debug)]
 pub(super) struct EventsArgs {
-    /// Event metadata of the vehicle's firmware, for events in captures without it.
+    /// Event metadata of the firmware, for messages that come without it.
     ///
-    /// The file `all_events.json` or `all_events.json.xz` that PX4's build writes. A log or an MCAP file that contains its
-    /// own event metadata is read with that. Metadata of another build may show wrong texts and wrong values of arguments.
+    /// The file `all_events.json` or `all_events.json.xz` that PX4's build writes. Logs and MCAP files that contain event
+    /// metadata don't use this file. The file of another build may result in wrong texts and wrong values of arguments.
     #[arg(long, value_name = "FILE")]
     pub(super) events: Option<PathBuf>,
 }

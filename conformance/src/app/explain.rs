@@ -29,12 +29,14 @@ const STANDARD_INPUT: &str = "-";
 /// The language of the definitions.
 const ENGLISH: &str = "en";
 
-const EXAMPLES: &str = "Examples:
+const EXAMPLES: &str = "Examples, with the files of `uavspec sample`:
   uavspec explain flight.ulg
-  uavspec explain flight.ulg --report html=timeline.html
-  uavspec explain session.jsonl --language uk
+  uavspec explain flight.ulg --report html=flight.html
+  uavspec explain flight.ulg --why-not-arm 0:05 --mode mission
   uavspec explain flight.mcap --format json
-  uavspec explain flight.ulg --why-not-arm 0:12 --mode posctl
+  uavspec explain session.jsonl --language uk
+
+Without files:
   uavspec explain 134
   uavspec explain vehicle_status.nav_state=17
   uavspec explain mode_req_mission=0x80 --release px4@1.18
@@ -54,10 +56,10 @@ pub(super) struct ExplainArgs {
     /// uORB message hash, a ROS type hash, or a rule. An existing path is never a word.
     #[arg(value_name = "WHAT")]
     what: PathBuf,
-    /// Explain a word by the definitions of one release, such as px4@1.16 (default: all releases).
+    /// Release in which a word is explained, such as px4@1.16 [default: all releases].
     #[arg(long, value_name = "RELEASE", conflicts_with_all = ["definitions", "language", "report"])]
     release: Option<String>,
-    /// Definitions to use (default: the release that the capture agrees with).
+    /// Definitions to use [default: the release that matches the capture best].
     ///
     /// A release such as px4@1.16, a uavspec.toml file, a folder that contains one, a PX4 message file, or a folder of
     /// PX4 messages or ROS 2 packages.
@@ -65,13 +67,13 @@ pub(super) struct ExplainArgs {
     definitions: Option<PathBuf>,
     #[command(flatten)]
     events: EventsArgs,
-    /// Language of the labels, such as uk (default: en).
+    /// Language of the labels, such as uk [default: en].
     ///
-    /// The languages are those of the catalogues that belong to the definitions. Labels without a translation stay in
-    /// English. The HTML report contains all languages.
+    /// Each translation catalogue of the definitions adds a language. Labels without a translation stay in English. The
+    /// HTML report contains all languages.
     #[arg(long, value_name = "LANGUAGE")]
     language: Option<String>,
-    /// Print only why the vehicle couldn't arm, at a time such as 75 or 1:15 (default: at any time).
+    /// Print only why the vehicle couldn't arm, at a time such as 75 or 1:15 [default: at any time].
     ///
     /// The answer comes from the health and arming reports in the events of PX4. It covers the modes that the vehicle was
     /// in. --mode selects another mode.
@@ -188,7 +190,7 @@ fn why_not_arm(args: &ExplainArgs, timeline: &Timeline, question: &WhyNotArm, la
     Ok(Status::Conforms)
 }
 
-/// Fails if a mode is not one of those in a report.
+/// Fails if no report contains the mode.
 pub(super) fn check_mode(mode: Option<&str>, known: &[Part]) -> Result<(), Status> {
     let Some(mode) = mode.filter(|mode| !known.iter().any(|known| known.is_named(mode))) else {
         return Ok(());

@@ -42,12 +42,12 @@ impl Found {
         Ok(found)
     }
 
-    /// Skips the captures that are done. Returns true if no captures are left. Prints the numbers.
+    /// Skips the captures that are done. Returns true if no captures remain. Prints the numbers.
     pub(super) fn skip(&mut self, done: &Done) -> bool {
         let before = self.captures.len();
         self.captures.retain(|input| !done.contains(&input.name(), &Origin::of(input)));
         let (left, skipped) = (self.captures.len(), before - self.captures.len());
-        terminal::eprintln!("{skipped} of {before} captures are in the tables already; {left} are left");
+        terminal::eprintln!("{skipped} of {before} captures are in the tables already; {left} to check");
         left == 0 && skipped > 0
     }
 

@@ -36,7 +36,7 @@ pub(super) fn install(options: &Options) -> Result<(), Status> {
     ctrlc::set_handler(move || end(&stop, limit)).map_err(uninterruptible)
 }
 
-/// Asks the probe to stop. At the second time, ends the program.
+/// Asks the probe to stop. The second request ends the program.
 fn end(stop: &Stop, limit: u64) {
     let first = *FIRST.get_or_init(|| Clock::real().now());
     if !request(stop, limit) {
@@ -49,7 +49,7 @@ fn end(stop: &Stop, limit: u64) {
     }
 }
 
-/// Asks the probe to stop. Returns false if it was asked before.
+/// Asks the probe to stop. Returns false if it was already asked to stop.
 fn request(stop: &Stop, limit: u64) -> bool {
     let is_first = stop.request();
     if !is_first {
@@ -76,7 +76,7 @@ pub(super) fn print_later(line: &str) {
     thread::spawn(move || print(&line));
 }
 
-/// Prints the UAVs that may be unsafe when it is dropped, even after a panic.
+/// When dropped, prints the UAVs that may be unsafe, even after a panic.
 pub(super) struct Danger {
     stop: Stop,
     /// The UAVs and the reason, after the probe has ended.
@@ -109,7 +109,7 @@ mod signals {
     pub(super) fn outlive_full_files() {
         let mut signals = SigSet::empty();
         signals.add(Signal::SIGXFSZ);
-        // If it isn't blocked, the program ends as other programs do.
+        // If the signal isn't blocked, the program ends as other programs do.
         let _ = signals.thread_block();
     }
 

@@ -28,7 +28,7 @@ impl NewFiles {
     }
 
     /// Writes the files to a folder, which is created if necessary. Existing files are never replaced. If this fails,
-    /// nothing is left.
+    /// nothing remains.
     pub(super) fn write(&self, folder: &Path) -> Result<(), Failure> {
         self.check_absent(folder)?;
         write(folder, self).map_err(|error| {

@@ -6,9 +6,7 @@ use uavspec_report::Settings;
 /// Arguments of commands that check captures or sessions.
 #[derive(Args, Debug)]
 pub(super) struct OutcomeArgs {
-    /// Fail if a violated rule has this level: error (MUST) or warning (SHOULD).
-    ///
-    /// With `warning`, violations of rules of level SHOULD also fail the run.
+    /// Violations that make the run fail: `error` for MUST rules, `warning` for SHOULD rules as well.
     #[arg(long, value_name = "LEVEL", default_value = "error", value_parser = ["warning", "error"], hide_possible_values = true)]
     deny: String,
     /// Minimum coverage, such as 90%.

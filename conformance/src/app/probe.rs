@@ -74,7 +74,7 @@ pub(super) struct ProbeArgs {
     targets: Vec<Target>,
     #[command(flatten)]
     vehicle: VehicleArgs,
-    /// Time to listen: to a vehicle (default: 20), or for notifications of a server (default: 3).
+    /// Time to listen: to a vehicle [default: 20], or for notifications of a server [default: 3].
     #[arg(long = "for", value_name = "SECONDS", value_parser = seconds)]
     time: Option<Duration>,
     #[command(flatten)]
@@ -93,16 +93,16 @@ pub(super) struct ProbeArgs {
     only: Vec<String>,
     /// Skip this rule, trial, message type or family (repeatable).
     ///
-    /// Takes the names that --only takes. Findings of a skipped rule are not reported.
+    /// The names are the same as for --only. Findings of a skipped rule are not reported.
     #[arg(long, value_name = "NAME")]
     skip: Vec<String>,
     /// Run no trials: send no malformed messages and no unusual ones, apart from unknown ids and an unknown type.
     #[arg(long)]
     no_trials: bool,
-    /// Time after which no further requests are sent, without --for (default: 45, or 105 with --allow-commands).
+    /// Time in which requests are sent, in addition to --for [default: 45, or 105 with --allow-commands].
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     limit: Option<Duration>,
-    /// Time that a request may stay unanswered, from 1 to 60 (default: 5).
+    /// Time to wait for the response to a request, from 1 to 60 [default: 5].
     ///
     /// The probe goes on with other requests meanwhile.
     #[arg(long, value_name = "SECONDS", value_parser = timeout)]
@@ -110,15 +110,15 @@ pub(super) struct ProbeArgs {
     /// Shell command that restarts the server after it has stopped serving.
     ///
     /// The probe waits until the server serves again, and goes on. Without this option, the probe ends if the server
-    /// doesn't serve again by itself, and the outcome says how much was left.
+    /// doesn't serve again by itself, and the outcome says how many requests were not sent.
     #[arg(long, value_name = "COMMAND")]
     on_crash: Option<String>,
-    /// Time to wait for the UAVs of --uav to appear (default: 30).
+    /// Time to wait for the UAVs of --uav to appear [default: 30].
     ///
     /// If one of them doesn't appear, the probe is incomplete.
     #[arg(long, value_name = "SECONDS", value_parser = seconds, requires = "allow_commands")]
     uav_timeout: Option<Duration>,
-    /// Time to land the UAVs, stop their motors and wake them after everything else (default: 120).
+    /// Time to land the UAVs, stop their motors and wake them after everything else [default: 120].
     ///
     /// The probe does this even if it is interrupted, the time limit is reached or the connection is lost. It connects
     /// again as often as necessary.
@@ -129,7 +129,7 @@ pub(super) struct ProbeArgs {
     /// `uavspec check` reports the same findings for the recording.
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
-    /// Definitions to check against (default: built-in; for a vehicle, the release that agrees best).
+    /// Definitions to check against [default: built-in; for a vehicle, the release that matches best].
     ///
     /// A uavspec.toml file or a folder that contains one. For a vehicle, also a release such as px4@1.16.
     #[arg(long, value_name = "PATH|RELEASE")]
@@ -235,14 +235,14 @@ fn probe_servers(args: &ProbeArgs) -> Exit {
         let Probed { result, requests, notes, failure, cut_short, left_out, .. } = probed;
         danger.known = probed.danger;
         unrecorded = unrecorded.or(probed.unrecorded);
-        // If nothing came from the server, the failure says everything.
+        // If nothing came from the server, the failure is sufficient.
         let is_silent = failure.is_some() && result.records == 0;
         if let Some(message) = &failure {
             terminal::error(format_args!("{path}: {message}"), None);
             failed.push(Unreadable { path: path.clone(), message: message.clone() });
         }
         if !is_silent {
-            // If the probe failed, what was checked says little.
+            // If the probe failed, the checked part says little.
             let cut_short = cut_short.or(failure).into_iter().chain(left_out).collect();
             all.push(CheckedCapture { path, result, notes, requests, cut_short, elapsed });
         }
@@ -313,7 +313,7 @@ fn start_reports(args: &ProbeArgs) -> Result<Outputs<'_>, Status> {
 
 /// The options of the probe. Unknown names are printed as errors.
 fn options(args: &ProbeArgs, definitions: &Definitions) -> Result<Options, Status> {
-    // Each transport has other trials. A name must be known for one of the servers.
+    // The trials depend on the transport. A name must be known for one of the servers.
     let mut selection = Ok(Selection::default());
     for endpoint in args.endpoints() {
         selection = Selection::new(args.only.clone(), args.skip.clone(), definitions, endpoint);

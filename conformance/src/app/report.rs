@@ -22,12 +22,12 @@ use super::{Exit, Status, unprinted};
 const STANDARD_OUTPUT: &str = "-";
 
 /// The help for a folder that can't be continued.
-const RESUMABLE: &str = "name a folder that `--report parquet=DIR` or `--resume DIR` wrote";
+const RESUMABLE: &str = "specify a folder that `--report parquet=DIR` or `--resume DIR` wrote";
 
 /// The reports to write, and their paths.
 #[derive(Args, Clone, Debug)]
 pub(super) struct ReportArgs {
-    /// Format of the report (default: text).
+    /// Format of the report [default: text].
     ///
     /// The report is printed to standard output. The formats are text, short (one line for each finding), json,
     /// junit (XML for CI systems), sarif (for editors and code scanning), codequality (for GitLab), html (a self-contained page) and markdown (for pull requests and CI summaries).
@@ -113,7 +113,7 @@ impl ReportArgs {
             self.report.iter().find(|target| target.is_printed() && target.kind.file().is_none())
         {
             return Some(format!(
-                "--report {}=-: tables can't be printed: name a folder",
+                "--report {}=-: tables can't be printed: specify a folder",
                 target.kind.name()
             ));
         }
@@ -290,7 +290,7 @@ fn ignore_broken_pipe(written: io::Result<()>) -> io::Result<()> {
     written.or_else(|error| if error.kind() == io::ErrorKind::BrokenPipe { Ok(()) } else { Err(error) })
 }
 
-/// The folder for the temporary file of a report. `None` for pipes and devices, whose folder may not be writable.
+/// The folder for the temporary file of a report. `None` for pipes and devices, whose folder might not be writable.
 fn folder_for_parts(path: &Path) -> Option<&Path> {
     fs::metadata(path).map_or(true, |metadata| metadata.is_file()).then(|| folder_of(path))
 }

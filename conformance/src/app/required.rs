@@ -11,9 +11,9 @@ use super::{Status, unknown_rule};
 /// Arguments of commands that check rules.
 #[derive(Args, Debug)]
 pub(super) struct RequireArgs {
-    /// Fail if this rule is not covered (repeatable).
+    /// Fail if this rule was not checked, because the input contains nothing that it applies to (repeatable).
     ///
-    /// A rule is covered if the input contains something that the rule applies to. Separate multiple ids with commas.
+    /// Separate multiple ids with commas.
     #[arg(long, value_name = "ID", value_delimiter = ',')]
     require: Vec<String>,
 }

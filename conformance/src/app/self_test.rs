@@ -28,7 +28,7 @@ const FAIL: Style = AnsiColor::Red.on_default().bold();
 const PASS: Style = AnsiColor::Green.on_default().bold();
 const PLAIN: Style = Style::new();
 
-/// The time limit for a response of the testee, however busy the computer is.
+/// The time limit for a response of the testee, even on a busy computer.
 const TIMEOUT: Duration = Duration::from_secs(60);
 
 /// The time limit for the start of the testee. The command may build it first.
@@ -52,7 +52,7 @@ const STATUS: &str = "Exit status:
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{STATUS}"))]
 pub(super) struct SelfTestArgs {
-    /// Definitions to use (default: built-in).
+    /// Definitions to use [default: built-in].
     ///
     /// A uavspec.toml file, a folder that contains one, or a folder of .msg files. The captures are generated from the
     /// definitions.
@@ -63,7 +63,7 @@ pub(super) struct SelfTestArgs {
     recordings_only: bool,
     /// Probe only the PX4 references: within the process, or over these buses.
     ///
-    /// Takes the URLs of vehicles that `uavspec probe` takes. Each bus is used by one pair of participants at a time, so
+    /// The URLs are the same as for `uavspec probe`, such as dds://0. Each bus is used by one pair of participants at a time, so
     /// more buses shorten the test. In a DDS domain, the participants communicate on this computer only. Don't use the
     /// bus of a real vehicle.
     #[arg(

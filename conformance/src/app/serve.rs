@@ -84,13 +84,13 @@ pub(super) struct ServeArgs {
     socketio: Vec<SocketAddr>,
     /// Serve the arming checks of a PX4 flight controller on this bus, instead of a Flockwave server.
     ///
-    /// Takes the URLs of vehicles that `uavspec probe` takes. Don't use the bus of a real vehicle.
+    /// The URLs are the same as for `uavspec probe`, such as dds://0. Don't use the bus of a real vehicle.
     #[arg(long, value_name = "URL", conflicts_with_all = ["tcp", "udp", "http", "socketio"])]
     px4: Option<Address>,
     /// Run a reference external component instead of a flight controller.
     #[arg(long, requires = "px4")]
     component: bool,
-    /// Namespace of the vehicle, such as alpha for topics in /alpha/fmu (default: none).
+    /// Namespace of the vehicle, such as alpha for topics in /alpha/fmu [default: none].
     #[arg(long, value_name = "NAMESPACE", requires = "px4", default_value = "", hide_default_value = true)]
     namespace: Namespace,
     /// IP address of a computer that multicast doesn't reach (DDS, repeatable).
@@ -98,7 +98,7 @@ pub(super) struct ServeArgs {
     /// With 127.0.0.1, only programs on this computer are found.
     #[arg(long, value_name = "ADDRESS", requires = "px4")]
     peer: Vec<IpAddr>,
-    /// Definitions of the messages on the bus: a PX4 release such as px4@1.16, or a path (default: the newest release).
+    /// Definitions of the messages on the bus: a PX4 release such as px4@1.16, or a path [default: the newest release].
     #[arg(long, value_name = "PATH|RELEASE", requires = "px4")]
     definitions: Option<PathBuf>,
     /// Number of UAVs.

@@ -75,7 +75,7 @@ pub(super) struct TestArgs {
     /// A connection is treated like a process: a lost connection counts as a crash, and a new connection as a restart.
     #[arg(long, value_name = "HOST:PORT", conflicts_with_all = ["command", "dump_cases", "replay"])]
     attach: Option<Address>,
-    /// Definitions to use (default: built-in).
+    /// Definitions to use [default: built-in].
     ///
     /// A uavspec.toml file, a folder that contains one, or a folder of .msg files. The cases are generated from the
     /// definitions.
@@ -97,11 +97,10 @@ pub(super) struct TestArgs {
     /// Number of pending requests per process.
     #[arg(long, value_name = "N", default_value = "32", value_parser = clap::value_parser!(u16).range(1..))]
     window: u16,
-    /// Maximum number of unexplained restarts.
+    /// Stop after this many restarts in a row for which no test case is to blame.
     ///
-    /// The run ends after this many successive restarts of a process without an identified cause. Each of the parallel
-    /// --jobs counts its own restarts. A case that crashes the testee costs one restart. The run also ends after 100
-    /// successive crashes. Parallel --jobs reduce the total time.
+    /// Each process of --jobs counts its own restarts. A case that crashes the testee costs one restart. The run also ends
+    /// after 100 crashes in a row.
     #[arg(long, value_name = "N", default_value = "20")]
     max_restarts: u32,
     /// Maximum number of successive timeouts.
@@ -120,9 +119,9 @@ pub(super) struct TestArgs {
     /// Each request includes its expected responses. The path `-` means standard output.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["command", "replay"])]
     dump_cases: Option<PathBuf>,
-    /// Check the responses in a file.
+    /// Check responses that were written to a file, instead of running a testee.
     ///
-    /// The path `-` means standard input.
+    /// The path `-` means standard input. --dump-cases writes the requests.
     #[arg(long, value_name = "FILE", conflicts_with = "command")]
     replay: Option<PathBuf>,
     #[command(flatten)]

@@ -49,7 +49,7 @@ pub(super) struct LintArgs {
     /// Connect to a running testee over TCP.
     #[arg(long, value_name = "HOST:PORT", conflicts_with = "command")]
     attach: Option<Address>,
-    /// Definitions to use (default: built-in).
+    /// Definitions to use [default: built-in].
     ///
     /// A uavspec.toml file, a folder that contains one, or a folder of .msg files. The requests are generated from the
     /// definitions.

@@ -54,7 +54,7 @@ const EXAMPLES: &str = "Examples:
   uavspec watch dds://0
   uavspec watch zenoh://localhost:7447 --language uk
   uavspec watch flight.ulg
-  uavspec watch --once --for 10 run.mcap";
+  uavspec watch --once --for 10 flight.mcap";
 
 const STATUS: &str = "Exit status:
   0  normal exit
@@ -88,7 +88,7 @@ pub(super) struct WatchArgs {
     /// not a terminal.
     #[arg(long)]
     once: bool,
-    /// Time that --once waits for messages (default: 5; for a capture: until its end).
+    /// Time that --once waits for messages [default: 5; for a capture: until its end].
     ///
     /// For a server, this is the maximum time: the table then shows the known states. For a capture, this is the time
     /// after its start.
@@ -141,7 +141,7 @@ pub(super) fn watch(args: &WatchArgs) -> Exit {
         Source::Target(Target::Server(endpoint)) => watch_server(args, endpoint),
         Source::Target(Target::Vehicle(address)) => vehicle::watch_vehicle(args, address),
         Source::Capture(path) => {
-            // A capture that grows by its own state would never end.
+            // If the state were written to the capture itself, the capture would never end.
             let inputs = Inputs { files: vec![path], ..Inputs::default() };
             outputs::check(&inputs, &[])?;
             vehicle::watch_capture(args, path)

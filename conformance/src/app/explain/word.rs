@@ -1,4 +1,4 @@
-//! Explains words by the definitions of all releases.
+//! Explains words based on the definitions of all releases.
 
 use uavspec_report::explain::{Unknown, explain, to_text};
 use uavspec_rules::definitions::{Library, ReleaseId};
@@ -7,7 +7,7 @@ use uavspec_schema::json_text;
 use crate::app::report::print_result;
 use crate::app::{Exit, Format, Status};
 
-/// Explains a word, by all releases or by one. Errors are printed.
+/// Explains a word, based on all releases or on one. Errors are printed.
 pub(super) fn explain_word(word: &str, release: Option<&str>, format: Format) -> Exit {
     let library = Library::built_in();
     let release = release.map(|label| find(&library, label)).transpose();

@@ -16,7 +16,7 @@ use crate::app::{Status, library};
 /// The extensions of files that may name topics.
 const EXTENSIONS: [&str; 11] = ["c", "cc", "cpp", "h", "hpp", "json", "launch", "py", "rs", "xml", "yaml"];
 
-/// The maximum number of bytes that are read of a file.
+/// The maximum number of bytes that are read from a file.
 const MAX_SIZE: u64 = 1 << 20;
 
 /// The maximum number of files.

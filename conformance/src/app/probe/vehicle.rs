@@ -30,13 +30,13 @@ const PATTERN: &[char] = &['*', '?', '[', ']', '{', '}', '!', '\\'];
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Options for PX4 vehicles")]
 pub(super) struct VehicleArgs {
-    /// Topics to receive, as a glob pattern (repeatable; default: all).
+    /// Topics to receive, as a glob pattern (repeatable) [default: all].
     ///
     /// For example, '/fmu/out/*'. Publishers and subscribers of other topics are compared as well. A rosbridge server
     /// without rosapi can't list its topics, so they must be named without patterns.
     #[arg(long, value_name = "GLOB", value_delimiter = ',')]
     topics: Vec<Glob>,
-    /// Namespace of the vehicle, such as alpha for topics in /alpha/fmu (default: that of the only vehicle).
+    /// Namespace of the vehicle, such as alpha for topics in /alpha/fmu [default: the namespace of the only vehicle].
     ///
     /// For --as and --application.
     #[arg(long, value_name = "NAMESPACE")]
@@ -47,11 +47,11 @@ pub(super) struct VehicleArgs {
     /// Definitions with which an application was built: a folder, or a PX4 release such as px4@1.15.
     ///
     /// The probe asks the flight controller for its definition of each topic in /fmu/in and /fmu/out, as applications do,
-    /// and compares it with that of the application. If files in the folder name such topics, only these are compared.
+    /// and compares it with the application's definition. If files in the folder name such topics, only these are compared.
     #[arg(long, value_name = "PATH|RELEASE")]
     pub(super) application: Option<PathBuf>,
     /// Take part in the arming checks: as the flight controller (autopilot), to test components; or as a component, to
-    /// test a flight controller (default: only listen).
+    /// test a flight controller [default: only listen].
     ///
     /// A component registers, refuses arming in a single reply, and unregisters. The probe sends no commands and never
     /// arms. Don't use `--as autopilot` on a bus with a flight controller: components would receive two sets of

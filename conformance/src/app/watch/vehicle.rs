@@ -42,14 +42,14 @@ static IS_STOPPED: AtomicBool = AtomicBool::new(false);
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Options for PX4 vehicles")]
 pub(super) struct VehicleArgs {
-    /// Definitions that explain the messages (default: the release that agrees best).
+    /// Definitions that explain the messages [default: the release that matches best].
     ///
     /// A release such as px4@1.16, a uavspec.toml file, or a folder that contains one.
     #[arg(long, value_name = "PATH|RELEASE")]
     definitions: Option<PathBuf>,
     #[command(flatten)]
     events: EventsArgs,
-    /// Language of the labels, such as uk (default: en).
+    /// Language of the labels, such as uk [default: en].
     #[arg(long, value_name = "LANGUAGE")]
     language: Option<String>,
     /// Print only why the vehicle can't arm, and exit.
@@ -57,7 +57,7 @@ pub(super) struct VehicleArgs {
     /// The answer is in the health and arming reports on the topic `event`.
     #[arg(long)]
     why_not_arm: bool,
-    /// Mode for --why-not-arm, such as posctl (default: all modes).
+    /// Mode for --why-not-arm, such as posctl [default: all modes].
     #[arg(long, value_name = "NAME", requires = "why_not_arm")]
     mode: Option<String>,
     /// IP address of a computer that multicast doesn't reach (DDS, repeatable).
