@@ -1,5 +1,6 @@
-//! Reads definitions from files and generates code and documentation from them: a configuration file or paths enter, and
-//! generated files leave. This crate finds and writes files, and has the command line. The steps are other crates:
+//! Reads definitions from files, and generates code and documentation. The input is a configuration file or paths, and
+//! the output is generated files. This crate finds and writes files, and contains the command line. Other crates
+//! perform the steps in between:
 //!
 //! ```text
 //!  text ──uavspec-schema──▶ Schema ──▶ uavspec-emit: Rust, TypeScript, Python, JSON Schema, pages, test vectors
@@ -19,7 +20,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! `cargo xtask bench codegen` measures how long each step takes with PX4's messages, and how this grows with their number.
+//! `cargo xtask bench codegen` measures how long each step takes with PX4's messages, and how this time grows with the
+//! number of messages.
 
 #![cfg_attr(not(test), warn(clippy::disallowed_macros, clippy::disallowed_methods))]
 

@@ -1,5 +1,5 @@
-//! Measures how fast uavspec checks data with all rules, and compares the speed with that of other libraries: `cargo
-//! bench -p uavspec --bench checking`.
+//! Measures how fast uavspec checks data with all rules, and compares the speed with the speed of other libraries:
+//! `cargo bench -p uavspec --bench checking`.
 //!
 //! Words after `--` select comparisons by title. The environment variable `ROUNDS` sets the number of runs.
 //!

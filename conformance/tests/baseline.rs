@@ -254,7 +254,7 @@ fn writes_a_list_and_updates_it() {
     let list = list_of(&folder);
     assert!(list.contains("rule = \"PX-JSON-02\"\nsubject = \"Glider.mark\"\nreason ="), "{list}");
     assert_eq!(run(&["--baseline", "known.toml"]).0, Some(0));
-    // Without new findings, the list stays as it is.
+    // Without new findings, the list is unchanged.
     assert_eq!(run(&["--write-baseline", "known.toml"]).0, Some(0));
     assert_eq!(list_of(&folder), list);
     // Comments and reasons stay; an expired entry is written again, like a new one.

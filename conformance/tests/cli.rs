@@ -197,7 +197,7 @@ fn checks_json_messages_with_and_without_a_type() {
     for wanted in [
         "bare.jsonl  4 lines, 4 messages of 1 type (",
         "dialect      bare NaN or Infinity (Python)",
-        "PX-JSON-01   MUST   UnregisterExtComponent.request_id: UnregisterExtComponent has no such field; found 2",
+        "PX-JSON-01   MUST   UnregisterExtComponent.request_id: UnregisterExtComponent has no such field, but the message contains 2",
         "once at line 3   definitions/px4/UnregisterExtComponent.msg:",
         "PX-JSON-02   MUST   UnregisterExtComponent.name: expected a string, found a bare NaN",
         "once at line 2   definitions/px4/UnregisterExtComponent.msg:",
@@ -449,11 +449,7 @@ fn prints_rules_and_help() {
     let here = Path::new(".");
     let (status, printed, _) = uavspec(here, &["rules", "PX-RANGE-01"]);
     assert_eq!(status, Some(0));
-    for wanted in [
-        "PX-RANGE-01  SHOULD, normative",
-        "What the rule finds",
-        "https://uavspec.dev/docs/rules/PX-RANGE-01.html",
-    ] {
+    for wanted in ["PX-RANGE-01  SHOULD, normative", "What the rule finds"] {
         assert!(printed.contains(wanted), "{wanted}: {printed}");
     }
     let (status, _, output) = uavspec(here, &["rules", "PX-NONE-01"]);
@@ -474,7 +470,7 @@ fn prints_rules_and_help() {
     }
     let (status, printed, _) = uavspec(here, &["check", "--help"]);
     assert_eq!(status, Some(0));
-    assert!(printed.contains("Examples:") && printed.contains("uavspec check flight.ulg"), "{printed}");
+    assert!(printed.contains("Examples") && printed.contains("uavspec check flight.ulg"), "{printed}");
 }
 
 #[test]

@@ -15,7 +15,7 @@ fn explain(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
     (output.status.code(), text(output.stdout), text(output.stderr))
 }
 
-/// Definitions without comments: the labels are those of the built-in definitions.
+/// Definitions without comments: the labels come from the built-in definitions.
 const BATTERY: &str = "uint64 timestamp
 uint8 warning
 uint8 BATTERY_WARNING_NONE = 0

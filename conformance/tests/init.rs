@@ -47,7 +47,7 @@ fn run_cargo(command: &mut Command) {
     assert!(output.status.success() && !errors.contains("warning:"), "{command:?}\n{errors}");
 }
 
-/// The paths of all files in a folder, except those of the copy of the runtime.
+/// The paths of all files in a folder, except the files of the runtime's copy.
 fn files(folder: &Path) -> Vec<String> {
     let entries = WalkDir::new(folder).sort_by_file_name().into_iter().map(|entry| entry.expect("an entry"));
     let files = entries.filter(|entry| !entry.file_type().is_dir());
@@ -106,7 +106,7 @@ fn rust_compiles_without_the_network() {
           assert!(wind.speed.abs() < 0.1);\n}\n",
     );
     cargo(&folder, &["run", "--quiet", "--example", "wind"]);
-    // The scaffold claims no name or address of its user.
+    // The scaffold doesn't contain the name or address of its user.
     for path in expected {
         let text = fs::read_to_string(folder.join(path)).expect("a file");
         assert!(!text.contains("http") && !text.contains("authors"), "{path}: {text}");

@@ -234,7 +234,7 @@ fn text_fits_a_terminal() {
 fn the_exit_status_of_each_file_is_its_outcome() {
     let folder = tempfile::tempdir().expect("a folder");
     let expected = write_files(folder.path());
-    // The quick step leads to files with different outcomes.
+    // Even the larger step of quick mode covers files with different outcomes.
     for (name, outcome) in expected.iter().skip(extent(0, 1)).step_by(extent(1, 4)) {
         let path = folder.path().join(name);
         let path = path.to_str().expect("UTF-8");

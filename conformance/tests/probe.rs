@@ -344,7 +344,7 @@ fn trying(rules: &[&str]) -> Options {
     Options { limit: Duration::from_secs(45), selection, ..short_options() }
 }
 
-/// A server may handle one request after the other. Each answer is in time, but not all answers are.
+/// A server may handle one request after the other. Each single answer is in time, but not all of them together.
 #[test]
 fn waits_for_the_answers_to_requests_that_were_sent_together() {
     let probed = tried(&["FW-TCP-02", "FW-ENV-27"], |line, segment| {

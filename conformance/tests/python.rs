@@ -27,8 +27,8 @@ const PACKAGES: &[&str] = &[
 /// Builds the module, and copies the package to the folder of installed packages.
 fn install(python: &Path) {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    // The module must share the library that these tests use, so the features of its dependencies must be the same: those
-    // that tests require, too.
+    // The module must share the library that these tests use. The features of its dependencies must therefore be the
+    // same, including the features that tests require.
     let packages = ["--package", "uavspec", "--package", "uavspec-python"];
     let mut build = cargo();
     build.args(["build", "--quiet", "--all-features", "--lib", "--test", "all"]).args(packages);

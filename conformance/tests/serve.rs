@@ -564,7 +564,7 @@ fn udp_bugs_are_observable() {
     let mut client = client(&server, ENDPOINTS[1]);
     client.send(b"glider").expect("sent");
     settle(&server);
-    // This may fail if the port is closed.
+    // Sending may fail if the port is closed.
     let _ = client.send(ping.as_bytes());
     assert!(is_unanswered(&server, &mut *client));
 }

@@ -1,7 +1,7 @@
 //! Tests with correct, buggy and misbehaving testees.
 //!
-//! The testees are modes of the example program `testee`. No test depends on speed: the time of tests with testees that
-//! hang passes only while other testees answer, and all others have generous time limits.
+//! The testees are modes of the example program `testee`. No test depends on speed: in tests with hanging testees, time
+//! passes only while other testees answer, and all other tests have generous time limits.
 
 mod attach;
 mod lint;
@@ -95,8 +95,8 @@ fn impatient(arguments: &[&str], clock: &Clock) -> Options {
     Options { timeout: Duration::from_secs(4), clock, ..options(arguments) }
 }
 
-/// Runs a function with a clock that a good testee moves. So a testee that hangs is always told from a slow one, however
-/// busy the computer is.
+/// Runs a function with a clock that a good testee advances. A hanging testee can therefore be distinguished from a
+/// slow one, even on a busy computer.
 fn patiently<T>(run: impl FnOnce(&Clock) -> T) -> T {
     let (clock, running) = (Clock::simulated(), Arc::new(()));
     let (case, is_running) = (&some_cases()[..1], Arc::downgrade(&running));

@@ -1,4 +1,5 @@
-//! Tests that names, arguments, contents and responses don't reach the terminal or the log of a CI system raw.
+//! Tests that names, arguments, contents and responses reach the terminal or the log of a CI system only in escaped
+//! form.
 
 #![cfg(unix)]
 
@@ -11,7 +12,7 @@ use std::process::Command;
 use serde_json::{Value, json};
 use uavspec_test_server::server::{answer_requests, custom_server};
 
-/// Starts a new line, and does everything to be more than text there.
+/// Text that starts a new line, and tries to be more than text there.
 const HOSTILE: &str = "x\n::error::FORGED\nFORGED \u{1b}]0;t\u{7}\u{1b}[31m\r\u{9b}2J\u{202e}\u{2028}\u{200b}##[error]y##vso[task.complete]z";
 
 const FORMATS: [&str; 7] = ["text", "short", "json", "junit", "sarif", "html", "markdown"];
@@ -47,7 +48,7 @@ fn assert_harmless(printed: &str) {
         name.is_some_and(char::is_alphanumeric) || line.trim_start().starts_with("FORGED")
     };
     assert_eq!(text.lines().find(|line| is_forged(line)), None, "{text}");
-    // A style of the input would begin in the middle of a word.
+    // A style from the input would begin in the middle of a word.
     assert!(!printed.contains("\u{7}\u{1b}") && !printed.contains("t\u{1b}[31m"), "{printed:?}");
 }
 

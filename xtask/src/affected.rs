@@ -91,7 +91,7 @@ fn affected<'p>(packages: &'p [Package], paths: &[&Path]) -> Option<BTreeSet<&'p
             break;
         }
     }
-    // The tests of these packages use an affected one, but other packages don't use the tests.
+    // The tests of these packages use an affected package, but other packages don't use the tests.
     names.extend(dependents(&names, true));
     Some(names)
 }

@@ -29,7 +29,7 @@ pub(crate) struct File {
 }
 
 impl File {
-    /// Creates a text file with LF line endings, even if the checkout has others.
+    /// Creates a text file with LF line endings, even if the checkout has other line endings.
     pub(crate) fn new(path: impl Into<String>, text: &str) -> Self {
         Self::binary(path, text.replace("\r\n", "\n").into_bytes())
     }

@@ -24,7 +24,7 @@ const EXTENSION: &str = "msg";
 /// The start of a release's file.
 const HEADING: &str = "# Facts of all definitions, written by `cargo xtask import`.\n";
 
-/// Corrections of definitions that the data of real vehicles contradict: a line of a release's file, and its
+/// Corrections of definitions that contradict the data of real vehicles: a line of a release's file, and its
 /// replacement. `definitions/README.md` gives the reasons.
 const CORRECTIONS: [(&str, &str); 1] =
     [("uint16 max_error # [%] [@range 1, 100]\n", "uint16 max_error # [%] [@range 1, 100] [@invalid 0]\n")];

@@ -202,7 +202,7 @@ fn report(tallies: &BTreeMap<String, Tally>, missing: &[&str], errors: &[String]
     Ok(all.is_empty() && errors.is_empty())
 }
 
-/// Writes the results and the page, or prints what would change. Returns true if all files were up to date.
+/// Writes the results and the page, or prints the differences. Returns true if all files were up to date.
 fn publish(is_check: bool, tools: &[Tool], known: &Known, record: &Record) -> Result<bool, String> {
     let files = [
         (RECORD, record.text()),

@@ -184,7 +184,8 @@ fn conformance(arguments: Vec<OsString>) -> ExitCode {
     }
 }
 
-/// Builds the program of a package. Returns its path, so that building takes no time of a program's time limits.
+/// Builds the program of a package, and returns its path. Building first keeps the build time out of the program's time
+/// limits.
 fn build(package: &str) -> Result<PathBuf, String> {
     let mut cargo = process::Command::new(command::cargo());
     cargo.args([

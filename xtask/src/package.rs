@@ -43,7 +43,8 @@ fn types() -> Result<File, String> {
     npm::types(&Content::of(repository())?)
 }
 
-/// Builds the packages that don't contain a program. `platforms` are those with a package that does.
+/// Builds the packages that don't contain a program. `platforms` are the platforms for which a package contains the
+/// program.
 pub(crate) fn for_all_platforms(platforms: &[&Platform]) -> Result<Vec<File>, String> {
     Ok(vec![types()?, npm::launcher(platforms)?])
 }

@@ -29,10 +29,10 @@ const SCHEMES: [(&str, u8); 2] = [("dark", 0), ("light", 1)];
 /// The folder of the pages.
 const SITE: &str = "xtask/site";
 
-/// The hash of the page in each picture. Browsers draw a page differently, so pictures can't be compared.
+/// The hash of the page in each picture. Different browsers draw a page differently, so pictures can't be compared.
 const HASHES: &str = "xtask/site/pictures/pages.txt";
 
-/// Takes the pictures. With `--check`, returns false if they show other pages.
+/// Takes the pictures. With `--check`, returns false if the pictures show old pages.
 pub(crate) fn run(arguments: &Arguments) -> Result<bool, String> {
     let root = repository();
     let hashes = hashes(root)?;
@@ -44,7 +44,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<bool, String> {
         return Ok(is_current);
     }
     let browser = browser()?;
-    // Chromium doesn't create it.
+    // Chromium doesn't create the folder.
     let folder = root.join(SITE).join("pictures");
     fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     for (page, size) in PAGES {

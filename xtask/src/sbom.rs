@@ -2,8 +2,9 @@
 //! its version, licence and checksum.
 //!
 //! The document depends only on the manifests and `Cargo.lock`: it contains no time, and its serial number is derived
-//! from its content. cargo-cyclonedx (0.5.9) adds the crates of features that only other packages of the workspace enable, and
-//! paths of the machine. It writes a document for each package, and supports `CycloneDX` 1.5. So this module writes it.
+//! from its content. cargo-cyclonedx (0.5.9) adds the crates of features that only other packages of the workspace
+//! enable, and paths of the machine. The tool also writes a separate document for each package, and supports
+//! `CycloneDX` 1.5. Therefore, this module writes the document.
 
 mod crates;
 

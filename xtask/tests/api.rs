@@ -42,7 +42,7 @@ fn the_api_of_codegen_is_unchanged() {
 
 #[test]
 fn the_api_of_conformance_is_unchanged() {
-    // The programs of others use these crates. The other crates are parts of them.
+    // Third-party programs use these crates. The other crates are parts of these crates.
     for part in ["check", "report"] {
         check(&format!("uavspec-{part}"), &format!("conformance/{part}/src/lib.rs"));
     }

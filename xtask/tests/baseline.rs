@@ -153,7 +153,7 @@ fn findings_in_other_lists_are_not_written() {
     lint(&folder, &["--baseline", "speed.toml", "--write-baseline", "known.toml"], 0);
     assert!(!known(&folder).contains("speed") && known(&folder).contains("gust"), "{}", known(&folder));
     lint(&folder, &["--baseline", "speed.toml", "--baseline", "known.toml"], 0);
-    // Entries of the other list stay, even if they no longer apply.
+    // Entries of the other list are kept, even if they no longer apply.
     write(&folder, "msg/Wind.msg", &WIND.replace("speed", "calm"));
     let (_, messages) = lint(&folder, &["--baseline", "speed.toml", "--write-baseline", "known.toml"], 4);
     assert!(messages.contains("speed.toml:3:11") && known(&folder).contains("demo/Wind.calm"), "{messages}");

@@ -1,5 +1,5 @@
-//! No test of the default run sleeps, and none depends on how fast the computer is. Clippy checks the programs in the
-//! same way, see `clippy.toml`.
+//! Checks that tests of the default run don't sleep and don't depend on the speed of the computer. Clippy checks the
+//! programs in the same way, see `clippy.toml`.
 
 use std::fs;
 use std::path::Path;

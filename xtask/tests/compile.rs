@@ -1,5 +1,5 @@
 //! Tests that generated code compiles without warnings under the lints of this workspace, and that its JSON and CDR
-//! match those of other tools. The definitions include conflicting names and the whole corpus.
+//! match the results of other tools. The definitions include conflicting names and the whole corpus.
 
 mod conversions;
 

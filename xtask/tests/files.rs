@@ -8,7 +8,7 @@ use crate::support;
 
 const WIND: &str = "# Wind\n\nuint64 timestamp # [us] Time\nfloat32   speed # Speed\n";
 
-/// A message that refers to another one.
+/// A message that refers to another message.
 const GUST: &str =
     "# Gust\n\nuint64 timestamp # [us] Time\nWind   peak # Peak\nfloat32 duration # Duration\n";
 
@@ -21,7 +21,7 @@ fn workspace() -> TempDir {
 fn fmt_changes_only_the_given_files() {
     let folder = workspace();
     let (_, errors) = run(&folder, &["fmt", "other/Odd.msg", "./msg/../msg/Gust.msg"], 0);
-    assert!(errors.starts_with("warning: other/Odd.msg is in no package; skipped\n"), "{errors}");
+    assert!(errors.starts_with("warning: other/Odd.msg doesn't belong to a package; skipped\n"), "{errors}");
     assert!(errors.contains("1 formatted"), "{errors}");
     assert_ne!(read(&folder, "msg/Gust.msg"), GUST);
     assert_eq!(
@@ -46,7 +46,7 @@ fn lint_reports_and_fixes_only_the_given_files() {
     assert!(!printed.contains("unknown-type"), "the message that it refers to is read: {printed}");
     let (printed, errors) = run(&folder, &["lint", "--deny", "warning", "other/Odd.msg"], 0);
     assert!(
-        printed.contains("hidden by options") && errors.contains("other/Odd.msg is in no package"),
+        printed.contains("hidden by options") && errors.contains("other/Odd.msg doesn't belong to a package"),
         "{printed}"
     );
     let fixable = "uint64 timestamp # [us] Time\nfloat32 angle # [radians] Angle\n";

@@ -1,5 +1,5 @@
-//! Tests of the npm package: its content, the examples in its README, and its launcher. Tests of the types of modules
-//! generated from arbitrary definitions, in TypeScript and Python.
+//! Tests of the npm package: its content, the examples in its README, and its launcher. Also tests the types in
+//! TypeScript and Python modules that are generated from arbitrary definitions.
 //!
 //! Tests that require Node or Python are ignored by default. They install type checkers below `target/`. The files in
 //! `packages/` specify the versions of the type checkers.

@@ -4,7 +4,7 @@
 
 use crate::support::{write, xtask};
 
-/// Starts a new line, and does everything to be more than text there.
+/// Text that starts new lines, and contains terminal sequences and commands of CI systems.
 const HOSTILE: &str =
     "x\n::error::FORGED\nFORGED \u{1b}]0;t\u{7}\r\u{9b}2J\u{202e}\u{2028}##[error]y##vso[task.complete]z";
 

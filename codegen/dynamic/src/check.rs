@@ -129,7 +129,7 @@ impl<'t> ValueType<'t> {
         if is_right { Ok(()) } else { Err(Violation::Length { found, unit: "elements", shape: self.shape }) }
     }
 
-    /// Checks all bytes of a text, which must fill its array.
+    /// Checks all bytes of a text. The text must fill its array.
     pub fn check_array(self, bytes: &[u8]) -> Result<(), Violation<'t>> {
         if let Element::Text(room) = self.element
             && bytes.len() != room as usize
@@ -141,14 +141,14 @@ impl<'t> ValueType<'t> {
 }
 
 impl Field {
-    /// The type of each of the field's values, with the constraints on them.
+    /// The type of the field's values, with its constraints.
     pub fn value_type(&self) -> ValueType<'_> {
         ValueType { element: self.element, shape: self.shape, restriction: self.restriction.as_ref() }
     }
 }
 
 impl Violation<'_> {
-    /// The violated constraint. `None` if a decoder rejects the value, so that it has no place in a message.
+    /// The violated constraint. `None` if decoders reject the value, so no message can contain it.
     pub fn kind(&self) -> Option<ConstraintKind> {
         match self {
             Self::Number(kind, ..) => Some(*kind),
@@ -197,7 +197,7 @@ fn check_text<'t>(bytes: &[u8]) -> Result<(), Violation<'t>> {
     }
 }
 
-/// Checks the bytes of a string in memory, where a `wstring` is UTF-8 except for its unpaired surrogates.
+/// Checks the bytes of a string in memory. A `wstring` in memory is UTF-8, except for unpaired surrogates.
 fn check_string<'t>(bytes: &[u8], bounds: Bounds) -> Result<(), Violation<'t>> {
     check_characters(bytes, bounds)?;
     let Err(error) = std::str::from_utf8(bytes) else { return Ok(()) };
@@ -232,7 +232,7 @@ fn float<'t>(scalar: Scalar, leaf: Leaf<'_>) -> Result<Number, Violation<'t>> {
     if value.is_infinite() { Err(Violation::TooLarge(scalar)) } else { Ok(Number::Float(value)) }
 }
 
-/// The number with these little-endian bytes. A `bool` is the number of its byte. `None` if there are too few bytes.
+/// The number with these little-endian bytes. A `bool` has the value of its byte. `None` if there are too few bytes.
 pub fn number(scalar: Scalar, bytes: &[u8]) -> Option<Number> {
     let bytes = bytes.get(..scalar.size())?;
     match scalar {

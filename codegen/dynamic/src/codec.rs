@@ -45,8 +45,8 @@ impl<'t> MessageType<'t> {
 
     /// Views the memory of a message in place.
     ///
-    /// `memory` must be the result of [`DynamicMessage::memory`] for a message of the same type. This isn't checked. The
-    /// values in other bytes are meaningless, and reading them may take unbounded time.
+    /// `memory` must be the result of [`DynamicMessage::memory`] for a message of the same type. This requirement isn't
+    /// checked. Other bytes result in meaningless values, and reading these values can take unbounded time.
     pub fn view_memory<'v>(self, memory: &'v [u8]) -> Result<DynamicView<'v>, Error>
     where
         't: 'v,

@@ -177,7 +177,7 @@ fn unusable(draft: &Draft, defect: Defect) -> Plan {
     }
 }
 
-/// A plan with the fields of a draft, which the checks of JSON messages need.
+/// Adds the fields of a draft to a plan, because checks of JSON messages need the fields.
 fn with_fields(plan: Plan, draft: Draft) -> Plan {
     Plan { fields: draft.fields.into(), ..plan }
 }

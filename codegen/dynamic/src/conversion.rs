@@ -4,7 +4,7 @@
 //! each field of the target how to get its value. A [`Conversion`] is plain data: it refers to fields by index, and
 //! contains no offsets. Code generators and programs that convert data at run time use the same conversions.
 //!
-//! Only the definitions and the [`Hints`] decide. Everything else is [`Undecided`].
+//! Only the definitions and the [`Hints`] determine a conversion. Parts that they leave open are [`Undecided`].
 //!
 //! ```
 //! use uavspec_dynamic::conversion::{Conversions, Hints, Step};

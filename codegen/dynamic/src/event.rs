@@ -28,7 +28,7 @@ use uavspec_schema::{
 
 use crate::limits::MAX_EVENT_TEXT;
 
-/// The events of a set of event metadata.
+/// The index of the component and the index of the event within it, by event id.
 #[derive(Debug, Default)]
 pub struct Events {
     components: Vec<EventComponent>,
@@ -221,7 +221,7 @@ impl<'e> DecodedEvent<'e> {
     }
 }
 
-/// A text that is cut where it becomes too long. A text of a few bytes may refer to the same long label many times.
+/// Text that is truncated at a maximum length. A text of a few bytes may refer to the same long label many times.
 struct Limited(String);
 
 impl Write for Limited {

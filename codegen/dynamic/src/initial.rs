@@ -49,7 +49,7 @@ fn write_field(builder: &mut Builder<'_>, field: &Field, at: usize, default: &Va
                 let at = builder.open_element(field.stride);
                 write_element(builder, field.element, at, value);
             }
-            // This fails only above 4 GiB, and no definition is that large.
+            // Closing fails only above 4 GiB, and no definition is that large.
             let _ = builder.close::<Error>(at, first, values.len());
         }
         (value, _) => write_element(builder, field.element, at, value),

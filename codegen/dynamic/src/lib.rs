@@ -1,10 +1,10 @@
 //! Messages whose definitions are known only at run time, such as the messages in logs and bags. The codecs and checks
-//! behave like those of generated types, but are driven by the schema: a schema and the bytes or the JSON text of a message
-//! enter, and values, violations and other encodings leave. [`mod@breaking`] compares two schemas, and [`conversion`] converts
-//! messages from one to the other.
+//! behave like the codecs and checks of generated types, but are driven by the schema. The input is a schema and the
+//! bytes or the JSON text of a message. The output is values, violations and other encodings. [`mod@breaking`] compares
+//! two schemas, and [`conversion`] converts messages from one to the other.
 //!
 //! A conversion matches messages like a comparison, but copies a renamed field only if its comment is the same. A wrong
-//! match in a comparison is a misleading finding; in a conversion, it is wrong data.
+//! match causes a misleading finding in a comparison, but wrong data in a conversion.
 //!
 //! ```
 //! use uavspec_schema::{Form, PackageInput, SourceMap, msg::Dialect, read};

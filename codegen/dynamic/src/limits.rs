@@ -1,4 +1,4 @@
-//! The limits on what this crate reads and stores. They bound the time and the memory that hostile input takes.
+//! Limits on the input and the stored data, which bound the time and the memory that hostile input takes.
 
 /// Maximum nesting depth of messages. Codecs recurse once per level, so this limit bounds the stack. JSON readers may
 /// have a lower limit (`serde_json` allows 127 nested brackets). Real messages nest up to seven levels deep.

@@ -39,7 +39,8 @@ pub(super) struct Plan {
 pub struct Field {
     /// The name.
     pub name: Box<str>,
-    /// The type of the field or its elements. [`MessageType::nested`](super::MessageType::nested) is the type of a message.
+    /// The type of the field or its elements. [`MessageType::nested`](super::MessageType::nested) returns the type of a
+    /// nested message.
     pub element: Element,
     /// The number of elements. A text is a single element.
     pub shape: Shape,
@@ -73,7 +74,7 @@ impl Field {
         Type { element: self.element, shape: self.shape }
     }
 
-    /// The number of elements stored among the fields. This is 0 for a sequence, because its elements follow the
+    /// The number of elements stored among the fields. The number is 0 for a sequence, because its elements follow the
     /// fields.
     pub fn count(&self) -> usize {
         match self.shape {

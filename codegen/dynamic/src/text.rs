@@ -1,8 +1,8 @@
 //! The text of strings in CDR and in memory.
 //!
-//! ROS 2 requires UTF-8 and UTF-16, but leaves it to each implementation to enforce them. Memory therefore contains
-//! invalid text, too, and writers restore its bytes. A `string` consists of its bytes in CDR. A `wstring` is converted to
-//! UTF-8, and an unpaired surrogate takes the three bytes that UTF-8 would use for its number (this is called WTF-8).
+//! ROS 2 requires UTF-8 and UTF-16, but doesn't require implementations to enforce these encodings. Invalid text is
+//! therefore kept in memory, and writers restore its bytes. A `string` is stored as its CDR bytes. A `wstring` is
+//! converted to UTF-8. An unpaired surrogate takes the three bytes that UTF-8 would use for its number (WTF-8).
 
 use uavspec_runtime::Fault;
 use uavspec_runtime::cdr::{ByteOrder, wide_units};
@@ -17,7 +17,7 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
-    /// The maximum number of characters and the number in `text`, if `text` has more.
+    /// The maximum and the actual number of characters, if `text` is too long.
     pub(super) fn exceeded_by(self, text: &[u8]) -> Option<(u32, usize)> {
         // A text never has more characters than bytes.
         let bound = self.bound.filter(|bound| text.len() > *bound as usize)?;

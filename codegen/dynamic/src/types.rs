@@ -26,7 +26,7 @@ impl Types {
     ///
     /// # Panics
     ///
-    /// Panics if `id` is not one of its ids.
+    /// Panics if `id` belongs to another schema or log.
     pub fn get(&self, id: MessageId) -> MessageType<'_> {
         MessageType { types: self, plan: &self.plans[id.0 as usize] }
     }
@@ -67,7 +67,7 @@ impl<'t> MessageType<'t> {
         self.plan.span
     }
 
-    /// The fields in declaration order. Those of an unusable type have no positions.
+    /// The fields in declaration order. The fields of an unusable type have no positions.
     pub fn fields(self) -> &'t [Field] {
         &self.plan.fields
     }
@@ -97,7 +97,7 @@ impl<'t> MessageType<'t> {
         self.plan.size.padded
     }
 
-    /// The reason why the type is unusable. All operations then fail.
+    /// The reason why the type is unusable. If there is one, all operations fail.
     pub fn defect(self) -> Option<&'t Defect> {
         self.plan.defect.as_ref()
     }

@@ -1,4 +1,4 @@
-//! The memory form. Fixed-size messages are stored in this form, apart from padding and noncanonical `bool`s.
+//! The uORB form. Messages of fixed size are already stored in this form, except for padding and noncanonical `bool`s.
 
 use std::ops::ControlFlow;
 

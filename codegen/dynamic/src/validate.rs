@@ -11,14 +11,14 @@ use super::trail::Trail;
 use super::view::DynamicView;
 use super::walk::{Stop, Walk, walk};
 
-/// A violation with its place, displayed as `events[2].id: …`.
+/// A violation with its location, displayed as `events[2].id: …`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ViolationAt<'t> {
     /// The kind of the violated constraint.
     pub kind: ConstraintKind,
     /// Path to the value, such as `events[2].id`.
     pub path: String,
-    /// The value, and what is wrong with it.
+    /// The value and the problem.
     pub violation: Violation<'t>,
 }
 

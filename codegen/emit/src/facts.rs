@@ -20,7 +20,7 @@ pub(crate) const PLAIN: Style = Style { code: str::to_owned, inline: str::to_own
 pub(crate) const MARKDOWN: Style = Style { code: prose::code, inline: prose::inline };
 
 impl Style {
-    /// The facts about a field of a message, except those about its type.
+    /// The facts about a field of a message, except facts about its type.
     pub(crate) fn field(self, message: &Message, field: &Field) -> Vec<String> {
         let group = field.group.and_then(|group| message.groups.get(group));
         let mut facts: Vec<String> =

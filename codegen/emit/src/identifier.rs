@@ -81,7 +81,7 @@ pub(crate) fn error_code_names(codes: &[&ErrorCode]) -> Vec<String> {
     };
     let severity = |code: &ErrorCode| code.severity().name().to_uppercase();
     let names: Vec<String> = codes.iter().map(|code| plain(code)).collect();
-    // How many codes share a name, and how many of these share a severity.
+    // The number of codes with each name, and the number of codes with each name and severity.
     let (mut with_name, mut with_both) = (HashMap::new(), HashMap::new());
     for (code, name) in codes.iter().zip(&names) {
         *with_name.entry(name).or_insert(0) += 1;

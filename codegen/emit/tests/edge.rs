@@ -34,7 +34,7 @@ const PX4_DEVIATIONS: &[(&str, &str)] = &[
     ("duration", "the generator allocates no memory for it"),
 ];
 
-/// Deviations from rosidl, with reasons. Each of them causes an error or a warning.
+/// Deviations from rosidl, with reasons. Each deviation causes an error or a warning.
 const ROS2_DEVIATIONS: &[(&str, &str)] = &[
     ("lead_ws", "rosidl crashes at white space at the start of a line; read with a warning"),
     ("lone_cr", "a single carriage return doesn't end a line in editors, so it would hide a field"),

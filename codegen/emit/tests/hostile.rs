@@ -222,14 +222,14 @@ fn rejects_exponential_nesting() {
     }
 }
 
-/// The hashes visit each nested field of each message.
+/// Hashing visits each nested field of each message.
 #[test]
 fn limits_the_number_of_nested_fields_in_all_messages() {
     let levels = (0..18_u32).map(|level| match level.checked_sub(1) {
         None => file("Level0", "bool a\nbool b\n"),
         Some(below) => file(&format!("Level{level}"), format!("Level{below} a\nLevel{below} b\n")),
     });
-    // The last level has 2^19 - 2 nested fields, and all levels have 2^20 - 40.
+    // The last level has 2^19 - 2 nested fields, and all levels together have 2^20 - 40 nested fields.
     let copies = |name: &str, count: u32| -> Vec<(String, Vec<u8>)> {
         (0..count).map(|copy| file(&format!("{name}{copy}"), "Level17 a\n")).collect()
     };
@@ -349,7 +349,7 @@ fn reports_thousands_of_unknown_types() {
 /// A package: the name, the form, and the paths and texts of the sources.
 type NamedPackage = (&'static str, Form, Vec<(String, String)>);
 
-/// The definitions of this project that a quick run reads. They refer to no others.
+/// The definitions of this project that a quick run reads. These definitions refer to no others.
 const FEW: [&str; 6] = [
     "ArmingCheckReply.msg",
     "Event.msg",

@@ -1,4 +1,5 @@
-//! Baselines: lists of known findings and failures, each with a reason. All commands that report findings read them.
+//! Baselines: lists of known findings and failures, each with a reason. All commands that report findings read
+//! baselines.
 //!
 //! ```toml
 //! [[known]]
@@ -18,8 +19,8 @@
 //!
 //! Patterns are globs. `*` matches any text, but in `file` it doesn't match `/`.
 //!
-//! Known findings don't count. Lists must stay accurate, so an entry that no longer applies is [stale](Lists::stale). One list serves
-//! all commands: each command ignores the entries of others.
+//! Known findings don't count. To keep lists accurate, an entry that no longer applies is [stale](Lists::stale). One
+//! list serves all commands: each command ignores the entries for other commands.
 //!
 //! ```text
 //!  text ──read──▶ entries ──stale (with the results of a run)──▶ findings ──updated──▶ text
@@ -76,7 +77,8 @@ pub struct Entry {
     count: Option<usize>,
     /// The prefix that each finding's message must have.
     message: Option<String>,
-    /// True if there are more findings than `count`. The entry then covers none, because it is unknown which are new.
+    /// True if there are more findings than `count`. The entry then covers no findings, because the new findings can't
+    /// be distinguished.
     is_exceeded: bool,
     spans: Spans,
 }
@@ -100,8 +102,8 @@ struct Spans {
 pub struct Name<'n> {
     /// The id of the rule; `None` for a case.
     pub rule: Option<&'n str>,
-    /// The case, or the subject of the finding, in all forms that patterns may match. The full name is the first one.
-    /// Empty for the result of a rule that has no finding.
+    /// The names of the case, or of the finding's subject, that patterns can match. The full name comes first. Empty
+    /// for the result of a rule without a finding.
     pub forms: Vec<Cow<'n, str>>,
     /// The path of the file; empty for a case.
     pub file: &'n str,
@@ -126,13 +128,13 @@ pub struct Lists {
     files: Vec<(SourceId, PathBuf)>,
     /// The list to which entries are added.
     target: Option<SourceId>,
-    /// The ids that `rule` may contain besides those of `lint` and `breaking`. If empty, these ids aren't checked.
+    /// The valid ids in `rule`, in addition to the rules of `lint` and `breaking`. If empty, other ids aren't checked.
     rules: Vec<&'static str>,
-    /// The entries in the order of `files`, and then the added ones.
+    /// The entries in the order of `files`, followed by the added entries.
     entries: Vec<Entry>,
     num_read: usize,
     is_full: bool,
-    /// The entries of each rule; those about cases have the key "".
+    /// The entries of each rule. Entries about cases have the key "".
     index: HashMap<String, Index>,
 }
 
@@ -168,8 +170,9 @@ impl From<Mistakes> for Failure {
 }
 
 impl Lists {
-    /// Reads lists from files. `target`, to which entries can be added, may be absent. A file that is named twice is read
-    /// once. `rules` are the ids of rules besides those of `lint` and `breaking`; if empty, other ids aren't checked.
+    /// Reads lists from files. `target` is the list to which entries can be added; its file may be absent. A file that
+    /// is named twice is read once. `rules` contains the valid rule ids in addition to the rules of `lint` and
+    /// `breaking`; if it is empty, other ids aren't checked.
     pub fn read(paths: &[PathBuf], target: Option<&Path>, rules: &[&'static str]) -> Result<Self, Failure> {
         let mut texts = Vec::new();
         let mut files: Vec<PathBuf> = Vec::new();

@@ -1,4 +1,4 @@
-//! `event-enum-differs`: a constant with another value than in event metadata.
+//! `event-enum-differs`: a constant whose value differs from the value in event metadata.
 
 use uavspec_schema::value::Value;
 use uavspec_schema::{EventEnum, Schema};
@@ -7,7 +7,7 @@ use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "event-enum-differs",
-    statement: "A constant of a message that has another value than the entry with the same name in an enum of event metadata.",
+    statement: "A constant of a message whose value differs from the entry with the same name in an enum of event metadata.",
     why: "Both sources define the same value, but the firmware uses only one of them: PX4 1.15 to 1.17 write the reasons for \
           arming with the values of the metadata, so readers of `VehicleStatus` show a wrong reason.",
     fix: "Give the constant the value that the firmware writes.",

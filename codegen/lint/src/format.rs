@@ -19,20 +19,21 @@ use uavspec_schema::source::{SourceId, SourceMap};
 pub struct Formatted {
     /// The formatted text.
     pub text: String,
-    /// True if the source was left unchanged because formatting would have changed its meaning. There is no known
-    /// source for which this happens.
+    /// True if the source was left unchanged because formatting would have changed its meaning. No known source causes
+    /// this.
     pub is_kept: bool,
 }
 
 /// Formats the source `id`, which has the given `form`.
 ///
-/// In `.msg`, `.srv` and `.action` files, it writes declarations with single spaces, aligns comments within each block
-/// of lines, and collapses consecutive blank lines. Annotations move to the start of their comment, in a fixed order
+/// In `.msg`, `.srv` and `.action` files, declarations get single spaces, comments are aligned within each block of
+/// lines, and consecutive blank lines are collapsed. Annotations move to the start of their comment, in a fixed order
 /// and spelling.
 ///
-/// In pages, it aligns the columns of error-code tables and removes trailing white space, but changes nothing else.
+/// In pages, the columns of error-code tables are aligned, and trailing white space is removed. Everything else stays
+/// unchanged.
 ///
-/// A source with errors is not formatted. The result for a source with errors contains the diagnostics of the parser.
+/// A source with errors is not formatted. The result then contains the diagnostics of the parser.
 ///
 /// ```
 /// use uavspec_schema::{Form, SourceMap, msg::Dialect};
@@ -67,7 +68,7 @@ fn read(sources: &SourceMap, id: SourceId, form: Form) -> Result<Reading, Vec<Di
     match form {
         Form::Msg(dialect) => read_definition(sources, id, dialect),
         Form::Table => read_page(sources, id),
-        // Programs write event metadata.
+        // Event metadata is written by programs, so it needs no formatting.
         Form::Events => Ok(Reading { text: sources.text(id).to_owned(), meaning: Vec::new() }),
     }
 }

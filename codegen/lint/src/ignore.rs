@@ -122,7 +122,7 @@ fn add_requests_of_part<'s>(
         } else if at < head {
             Scope::Source(source)
         } else {
-            // The comment can have findings as well, not only the declaration below it.
+            // The comment itself can have findings, in addition to the declaration below it.
             below().map_or(Scope::Source(source), |below| Scope::Lines(vec![line.span, below.span]))
         };
         let removal = if comment.is_directive() && line.item.is_none() {

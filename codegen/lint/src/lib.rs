@@ -1,7 +1,6 @@
-//! What people do with definitions before they generate anything. The linter finds definitions that are valid but
-//! misleading, incomplete or inconsistent: definitions enter, and findings leave. [`mod@format`] formats definitions,
-//! [`release`] keeps the definitions of all releases, [`report`] writes findings for other programs, and [`baseline`]
-//! reads and updates lists of known findings.
+//! Tools for definitions that need no code generator. The linter reports definitions that are valid but misleading,
+//! incomplete or inconsistent. [`mod@format`] formats definitions, [`release`] keeps the definitions of all releases,
+//! [`report`] writes findings for other programs, and [`baseline`] reads and updates lists of known findings.
 //!
 //! Each rule has a file with its text, examples and check, and an entry in [`RULES`]. Parser warnings are rules as well
 //! (`Check::Reader`), so users can configure their level, ignore them and fix them. Parser errors are always reported.

@@ -208,7 +208,7 @@ pub(super) const NAME_STYLE: Rule = Rule {
 
 pub(super) const NEAR_TYPE_TABLE: Rule = Rule {
     id: "near-type-table",
-    statement: "A table whose columns almost match those of a type table.",
+    statement: "A table whose columns are similar to the columns of a type table.",
     why: "If a column is missing or misspelt, the table is treated as text and defines no fields.",
     fix: "Correct the columns: `Field`, `Required`, `Type`, `Description`.",
     bad: Example {

@@ -8,10 +8,10 @@ use uavspec_schema::msg::constraint::{RANGE, Stated};
 use uavspec_schema::value::Value;
 use uavspec_schema::{Field, Message, unit};
 
-/// Adjectives for numbers without a unit. They apply wherever they appear in the comment.
+/// Adjectives for numbers without a unit. These words apply anywhere in the comment.
 const ADJECTIVES: [&str; 4] = ["normalized", "normalised", "unitless", "dimensionless"];
 
-/// Nouns for numbers without a unit. They apply in the head of the comment, and as a word of the name.
+/// Nouns for numbers without a unit. These words apply in the head of the comment, and as a word of the name.
 const NOUNS: [&str; 7] =
     ["ratio", "fraction", "factor", "probability", "multiplier", "weighting", "quaternion"];
 
@@ -35,7 +35,7 @@ static INTERVAL: LazyLock<Option<Regex>> = LazyLock::new(|| {
 
 /// The groups of a message.
 pub(super) struct Groups {
-    /// One flag for each group, which is true if its comment describes plain numbers.
+    /// For each group, true if its comment describes plain numbers.
     are_plain: Vec<bool>,
 }
 
@@ -110,7 +110,7 @@ fn is_one_of(word: &str, known: &[&str]) -> bool {
     known.iter().any(|known| word.eq_ignore_ascii_case(known))
 }
 
-/// The advice for a field without a unit. `example` is a unit for fields whose comment and name state none.
+/// The advice for a field without a unit. `example` is a unit for fields without a unit in their comment and name.
 pub(super) fn advice(field: &Field, example: &str) -> String {
     match stated_unit(field) {
         Some((symbol, Some(written))) if written == format!("[{symbol}]") => {
@@ -126,8 +126,8 @@ pub(super) fn advice(field: &Field, example: &str) -> String {
     }
 }
 
-/// The unit that the comment or the name of a field states outside of an annotation, and the text in brackets that it
-/// would replace. `None` if several units are stated.
+/// The unit that a field's comment or name contains outside annotations, and the bracketed text that an annotation
+/// would replace. `None` if there are several units.
 fn stated_unit(field: &Field) -> Option<(&'static str, Option<&str>)> {
     let text = &field.description;
     let mut found: Vec<(&'static str, Option<&str>)> = bracketed(text).collect();

@@ -1,8 +1,8 @@
 //! Releases: the definitions of a whole distribution as one text, without comments.
 //!
-//! A release contains facts only: names, types, constants, units, constraints, enums, topics and versions. Of the
-//! comments, it has only the words `NaN` and `bitmask`, which exempt values from checks. Its text has the form in which
-//! bags store definitions: each definition follows a line of `=` characters and a line with its name.
+//! A release contains facts only: names, types, constants, units, constraints, enums, topics and versions. From
+//! comments, a release keeps only the words `NaN` and `bitmask`, which exempt values from checks. The text has the form
+//! that bags use for definitions: each definition follows a line of `=` characters and a line with its name.
 //!
 //! ```
 //! # use uavspec_schema::{Form, PackageInput, SourceMap, msg::Dialect, read};
@@ -32,7 +32,7 @@ pub use self::history::{Change, ReleaseText, Releases, Step, history};
 pub use self::selection::{full_name, select};
 pub use self::text::write;
 
-/// A key that sorts releases from the oldest to the newest: by the numbers in their names. Names come after numbers.
+/// A key that sorts releases by the numbers in their names, from the oldest to the newest. Names come after numbers.
 pub fn age(name: &str) -> Vec<Result<u32, String>> {
     name.split('.').map(|part| part.parse().map_err(|_| part.to_owned())).collect()
 }

@@ -84,7 +84,7 @@ pub enum Check {
     Message(Scope, fn(&Subject<'_>, &mut Sink<'_>)),
     /// Checks each package.
     Package(fn(&Package, &SourceMap, &mut Sink<'_>)),
-    /// Checks what several packages state.
+    /// Checks the whole schema, for example packages against each other.
     Schema(fn(&Schema, &mut Sink<'_>)),
     /// Checks the conversions that share a file with hints.
     Conversion(fn(&Converted<'_>, &mut Sink<'_>)),

@@ -21,7 +21,7 @@ pub(super) const RULE: Rule = Rule {
 };
 
 fn check(text: &SourceText<'_>, sink: &mut Sink<'_>) {
-    // In Markdown, two spaces at the end are a line break. Programs write event metadata.
+    // In Markdown, two spaces at the end are a line break. Event metadata is written by programs.
     if !matches!(text.form, Form::Msg(_)) {
         return;
     }

@@ -361,6 +361,6 @@ fn added_entries_name_exactly_their_findings() {
     assert!(lists.find(&found("odd a \"subject\""), &[]).is_none());
     assert!(lists.find(&of_rule("PX-RANGE-01", "UAV-INF", "a.ulg", failed("x")).0, &[]).is_none());
     assert!(lists.find(&Name::case("decode-cdr/px4/Event/a"), &[]).is_none());
-    // Nothing was added, so the file stays as it is.
+    // Nothing was added, so the file stays unchanged.
     assert_eq!(fixed(&lists, &[]).texts().collect::<String>(), lists.texts().collect::<String>());
 }

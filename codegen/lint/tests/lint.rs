@@ -221,7 +221,7 @@ impl Definitions {
                 // Skip the start, the end and the closing brace.
                 lines.by_ref().take(3).for_each(drop);
             } else {
-                // A fix makes an annotation of a text that resembles one.
+                // A fix turns text that resembles an annotation into an annotation.
                 model.push_str(&line.replace("is_enum_exact: false", "is_enum_exact: true"));
                 model.push('\n');
             }
@@ -256,7 +256,7 @@ fn texts_below(folder: &Path) -> Vec<File> {
         .collect()
 }
 
-/// The maximum number of passes. Even the worst known definitions need at most this many.
+/// The maximum number of passes. Even the worst known definitions need at most this many passes.
 const MAX_PASSES: usize = 12;
 
 fn check_mending(name: &str, definitions: &Definitions) {

@@ -92,7 +92,7 @@ fn of_definition(
     }
 }
 
-/// The built-in types, the messages of the package and, for ROS 2, those of other packages.
+/// The built-in types and the messages of the package. For ROS 2, also the messages of other packages.
 fn types(document: &Document<'_>, dialect: Dialect) -> Vec<Item> {
     let schema = &document.snapshot.schema;
     let is_known = |scalar: &Scalar| dialect == Dialect::Ros2 || *scalar != Scalar::Byte;

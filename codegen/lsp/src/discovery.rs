@@ -14,10 +14,11 @@ use uavspec_schema::table::{self, error_code, type_table};
 
 use crate::limits::MAX_ENTRIES;
 
-/// The name of the package of open pages.
+/// The name of the package that contains open pages.
 const PAGES: &str = "pages";
 
-/// Plans the packages below a folder: those of all definitions, and one of the open pages that contain definitions.
+/// Plans the packages below a folder: the packages of all definitions, and one package for open pages that contain
+/// definitions.
 pub(super) fn plan(folder: &Path, open: &BTreeMap<PathBuf, String>) -> Plan {
     let saved = entries(folder).take(MAX_ENTRIES).filter_map(Result::ok).filter_map(msg_file);
     // An open document may not have been saved yet.
@@ -43,7 +44,7 @@ pub(super) fn is_read(folder: &Path, path: &Path, text: &str) -> bool {
     path.starts_with(folder) && (is_msg_file(path) || is_page(path, text))
 }
 
-/// A name that no package has yet, also if case is ignored.
+/// A package name that is not used yet, even if case is ignored.
 fn unique(name: &str, names: &mut Scope) -> String {
     let unique = names.unique(&name.to_ascii_lowercase());
     format!("{name}{}", &unique[name.len()..])

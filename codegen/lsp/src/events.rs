@@ -1,4 +1,4 @@
-//! Event metadata: the places of components, groups, events and enums in a file. The schema contains their meaning.
+//! Event metadata: the locations of components, groups, events and enums in a file. The schema contains their meaning.
 
 use jsonc_parser::ast::{Object, ObjectProp, StringLit, Value};
 use jsonc_parser::common::{Range, Ranged as _};
@@ -13,7 +13,7 @@ use super::outline::symbol;
 use super::snapshot::Document;
 use super::symbol::{Occurrence, Symbol};
 
-/// The members of an object that is a member of another object. None, if it doesn't exist.
+/// The members of an object that is a member of another object. `None` if it doesn't exist.
 fn members<'o, 's>(object: &'o Object<'s>, name: &str) -> &'o [ObjectProp<'s>] {
     object.get_object(name).map_or(&[], |found| &found.properties)
 }
@@ -34,7 +34,7 @@ impl Document<'_> {
     }
 }
 
-/// The events and enums where they are defined, and the enums that are types of arguments.
+/// The definitions of events and enums, and the uses of enums as types of arguments.
 pub(super) fn occurrences(document: &Document<'_>) -> Vec<Occurrence> {
     let mut found = Vec::new();
     let (Some(package), Some(root)) = (document.package_index(), syntax(document.lines.text())) else {
@@ -99,7 +99,7 @@ impl Places {
         Self { events, enums }
     }
 
-    /// The indices of the component, and of the event in it.
+    /// The index of the component, and the index of the event within it.
     fn event(&self, span: Span) -> Option<(usize, usize)> {
         self.events.binary_search_by_key(&span, |(known, _)| *known).ok().map(|at| self.events[at].1)
     }
@@ -109,7 +109,7 @@ impl Places {
     }
 }
 
-/// The symbols of a file: each component with its enums and groups, and their entries and events.
+/// The symbols of a file: components, their enums and groups, and the entries and events in these.
 pub(super) fn symbols(document: &Document<'_>) -> Vec<DocumentSymbol> {
     let Some(root) = syntax(document.lines.text()) else { return Vec::new() };
     let outline = Outline { document };
@@ -171,7 +171,7 @@ impl Outline<'_, '_> {
     }
 }
 
-/// The items for the type of an argument, of an enum or of an event, and the start of the text that they replace, in the
+/// The items for the type of an argument, an enum or an event, and the start of the text that they replace, within the
 /// line.
 pub(super) fn items(document: &Document<'_>, offset: usize) -> Option<(usize, Vec<Item>)> {
     let root = syntax(document.lines.text())?;

@@ -33,7 +33,7 @@ pub(super) fn actions(
     actions.into_iter().map(CodeActionResponse::CodeAction).collect()
 }
 
-/// True if a kind of actions includes another one: `source` includes `source.fixAll`.
+/// True if a kind of actions includes another kind: `source` includes `source.fixAll`.
 fn includes(wanted: &str, kind: &str) -> bool {
     kind.strip_prefix(wanted).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
 }
@@ -72,14 +72,14 @@ fn fix_of_all(document: &Document<'_>) -> Option<CodeAction> {
     })
 }
 
-/// The findings of a document. Editors ask for those of each open document, so the others aren't searched.
+/// The findings of a document. Editors request the findings of each open document, so other documents aren't searched.
 fn findings<'d>(document: &'d Document<'_>) -> impl Iterator<Item = &'d Finding> {
     let Snapshot { findings, loaded, .. } = document.snapshot;
     let first = findings.partition_point(|finding| finding.span.start < document.whole().start);
     findings[first..].iter().take_while(|finding| loaded.sources.source_of(finding.span) == document.id)
 }
 
-/// The new text of a fix, or what it removes.
+/// The text that a fix inserts or removes.
 fn summary(document: &Document<'_>, edits: &[Edit]) -> String {
     let shown = |edit: &Edit| match (edit.text.trim(), document.text(edit.span).trim()) {
         ("", "") => "remove white space".to_owned(),

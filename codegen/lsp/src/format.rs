@@ -8,7 +8,7 @@ use uavspec_schema::{Form, difference};
 use super::lines::Lines;
 use super::snapshot::Document;
 
-/// The edits that format a document. None, if it contains errors. Other formatters exist for JSON.
+/// The edits that format a document. `None` if it contains errors, or for JSON, which other programs format.
 pub(super) fn edits(document: &Document<'_>) -> Option<Vec<TextEdit>> {
     let form = document.form().filter(|form| *form != Form::Events)?;
     let formatted = format(&document.snapshot.loaded.sources, document.id, form).ok()?;

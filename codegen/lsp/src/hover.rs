@@ -24,9 +24,9 @@ use self::markup::Markup;
 use super::snapshot::Document;
 use super::symbol::{self, Symbol, has_prefix};
 
-/// The history of messages in published releases, for hover texts: given the full ROS name of a message, such as
-/// `px4_msgs/msg/VehicleStatus`, and the name of a field or constant, the releases that contain it, and the changes, as
-/// lines of text.
+/// A function that returns the history of an item in published releases, for hover texts. The arguments are the full
+/// ROS name of a message, such as `px4_msgs/msg/VehicleStatus`, and the name of a field or constant. The result lists
+/// the releases that contain the item, and the changes, as lines of text.
 pub type History<'a> = dyn Fn(&str, Option<&str>) -> Vec<String> + 'a;
 
 /// The maximum number of listed members of an enum.
@@ -230,7 +230,7 @@ impl Describer<'_> {
         Some(text)
     }
 
-    /// The fields whose enum has a constant as a member. A field of another message is named with its message.
+    /// The fields whose enum contains a constant. A field of another message is named with its message.
     fn fields_with(&self, owner: MessageId, constant: usize) -> Vec<String> {
         let is_member = |reference: EnumRef| {
             let mut members = self.schema.enumeration(reference).members.iter();

@@ -4,10 +4,10 @@
 //!  documents, files ──▶ Workspace ──▶ Project ──▶ Snapshot ──▶ answers, diagnostics
 //! ```
 //!
-//! A `Snapshot` contains the definitions of a project, read with the texts of open documents, and
-//! all findings. After a change, the next request or the end of the queue of messages replaces the snapshot. Reading and
-//! checking all messages of PX4 takes about as long as an editor needs to draw a frame, so nothing is updated piecewise.
-//! Each feature is a function of a snapshot.
+//! A `Snapshot` contains the definitions of a project, read with the texts of open documents, and all findings. After a
+//! change, the snapshot is replaced at the next request, or when the message queue is empty. Reading and checking all
+//! messages of PX4 takes about as long as an editor needs to draw a frame, so nothing is updated piecewise. Each
+//! feature is a function of a snapshot.
 //!
 //! ```
 //! use lsp_server::{Connection, Message, Notification, Request};

@@ -1,4 +1,4 @@
-//! The limits on what this crate reads and stores. They bound the time and the memory that hostile input takes.
+//! Limits on the input and the stored data, which bound the time and the memory that hostile input takes.
 
 /// The maximum number of files and folders that are searched. PX4 with all submodules has about 60,000.
 pub(crate) const MAX_ENTRIES: usize = 200_000;
@@ -9,6 +9,6 @@ pub(crate) const MAX_MESSAGE: u64 = 64 << 20;
 /// The maximum length of a header line in bytes.
 pub(crate) const MAX_HEADER: u64 = 4 << 10;
 
-/// The maximum number of messages that wait for the server. It handles them together, so that the definitions are read
-/// once after an editor opens many files.
+/// The maximum number of waiting messages. The server handles them together, so definitions are read once when an
+/// editor opens many files.
 pub(crate) const MAX_WAITING: usize = 256;

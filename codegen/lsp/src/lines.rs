@@ -10,13 +10,13 @@ use uavspec_schema::render::floor_char_boundary;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Encoding {
     Utf8,
-    /// The encoding of clients that don't name another one.
+    /// The encoding of clients that offer no other encoding.
     #[default]
     Utf16,
 }
 
 impl Encoding {
-    /// Chooses from the encodings that a client offers.
+    /// Chooses one of the encodings that a client offers.
     pub(super) fn choose(offered: &[PositionEncodingKind]) -> Self {
         if offered.contains(&PositionEncodingKind::UTF8) { Self::Utf8 } else { Self::Utf16 }
     }
@@ -38,8 +38,8 @@ impl Encoding {
         u32::try_from(len).unwrap_or(u32::MAX)
     }
 
-    /// The byte offset of a column. The end of the line, if the line is shorter. The start of a character, if the
-    /// column is within the character.
+    /// The byte offset of a column, limited to the end of the line. For a column within a character, the start of the
+    /// character.
     fn offset(self, line: &str, column: u32) -> usize {
         let mut units = 0;
         for (at, character) in line.char_indices() {
@@ -78,12 +78,12 @@ pub(super) struct Lines<'t> {
     encoding: Encoding,
 }
 
-/// The places of the lines of a text.
+/// The positions of the lines in a text.
 #[derive(Debug)]
 pub(super) struct Index {
     starts: Vec<usize>,
-    /// The number of UTF-16 code units before each block of the text, counted lazily. With these counts, a line may have
-    /// any number of positions.
+    /// The number of UTF-16 code units before each block of the text, counted lazily. These counts avoid quadratic time
+    /// for many positions in one line.
     counts: OnceLock<Vec<u32>>,
 }
 
@@ -120,7 +120,7 @@ impl<'t> Lines<'t> {
         self.index.starts.len()
     }
 
-    /// The byte offset of the start of a line. The end of the text, if there is no such line.
+    /// The byte offset of the start of a line, or the end of the text if there is no such line.
     pub(super) fn start(&self, line: usize) -> usize {
         self.index.starts.get(line).copied().unwrap_or(self.text.len())
     }

@@ -5,13 +5,13 @@ use lsp_types::{DocumentHighlight, DocumentHighlightKind, Location};
 use super::snapshot::{Document, Snapshot};
 use super::symbol::{self, Occurrence, Symbol, has_prefix};
 
-/// The place where the symbol at a byte offset is defined.
+/// The location of the definition of the symbol at a byte offset.
 pub(super) fn definition(document: &Document<'_>, offset: usize) -> Option<Location> {
     let found = symbol::at(document, offset)?;
     document.snapshot.location(symbol::definition(document.snapshot, &found.symbol)?)
 }
 
-/// The places where the symbol at a byte offset is written, in all packages.
+/// The locations of all occurrences of the symbol at a byte offset, in all packages.
 pub(super) fn references(document: &Document<'_>, offset: usize, with_definition: bool) -> Vec<Location> {
     let Some(found) = symbol::at(document, offset) else { return Vec::new() };
     let snapshot = document.snapshot;
@@ -46,7 +46,7 @@ pub(super) fn highlights(document: &Document<'_>, offset: usize) -> Vec<Document
         .collect()
 }
 
-/// True if a written symbol is the wanted one. A prefix also refers to each constant that starts with it.
+/// True if an occurrence refers to the wanted symbol. A prefix also refers to each constant that starts with it.
 fn refers_to(snapshot: &Snapshot, written: &Symbol, wanted: &Symbol) -> bool {
     match (written, wanted) {
         (Symbol::Prefix(message, prefix), Symbol::Constant(owner, at)) if message == owner => {

@@ -119,7 +119,7 @@ fn section_end(document: &Document<'_>, page: &Page, at: usize) -> Span {
     Span { start: end, end }
 }
 
-/// The messages, constants, types, error codes, events and enums of events whose name contains a text, if case is ignored.
+/// The messages, constants, types, error codes, events and enums of events whose name contains a text, ignoring case.
 pub(super) fn search(snapshot: &Snapshot, query: &str) -> Vec<WorkspaceSymbol> {
     let query = query.to_lowercase();
     let matches = |name: &str| name.to_lowercase().contains(&query);
@@ -141,7 +141,7 @@ pub(super) fn search(snapshot: &Snapshot, query: &str) -> Vec<WorkspaceSymbol> {
         .collect()
 }
 
-/// The named things of a schema: name, kind, container and location.
+/// The named items of a schema: name, kind, container and location.
 fn all(schema: &Schema) -> impl Iterator<Item = (String, SymbolKind, String, Span)> {
     let package = |message: &Message| schema.package_of(message).name.clone();
     let messages = schema.messages.iter().flat_map(move |message| {

@@ -1,7 +1,6 @@
-//! The parameters of the editor's `initialize` request, as far as the server uses them.
+//! The parameters of the editor's `initialize` request that the server uses.
 //!
-//! `lsp_types::InitializeParams` also has all other capabilities of editors. Code that reads these takes long to
-//! compile.
+//! `lsp_types::InitializeParams` also contains all other capabilities of editors, and would increase the compile time.
 
 use lsp_types::{PositionEncodingKind, ResourceOperationKind, Uri, WorkspaceFolder};
 use serde::Deserialize;
@@ -36,7 +35,7 @@ impl Parameters {
     }
 }
 
-/// The value at a JSON pointer. The default, if the value is missing or null.
+/// The value at a JSON pointer, or the default if the value is missing or null.
 fn member<'p, T: Default + Deserialize<'p>>(parameters: &'p Value, pointer: &str) -> Result<T, Error> {
     let found: Option<T> = parameters.pointer(pointer).map_or(Ok(None), Option::deserialize)?;
     Ok(found.unwrap_or_default())

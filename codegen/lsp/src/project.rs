@@ -60,7 +60,7 @@ pub(super) struct Project {
     pub(super) root: Root,
     change: Change,
     plan: Plan,
-    /// The referenced packages that were searched after an edit since files last changed. Some weren't found.
+    /// The referenced packages for which edits caused a search since files last changed. Some don't exist.
     searched: BTreeSet<String>,
     snapshot: Option<Snapshot>,
     /// The reason why the definitions can't be read.
@@ -94,7 +94,7 @@ impl Project {
         self.snapshot.as_ref().is_some_and(|snapshot| snapshot.is_dependency(path))
     }
 
-    /// Notes the new text of an open document.
+    /// Records the new text of an open document.
     pub(super) fn edit(&mut self, path: &Path, text: &str) {
         let read = self.snapshot.as_ref().and_then(|snapshot| snapshot.text(path));
         // Editors open files that the project has read already.
@@ -104,7 +104,7 @@ impl Project {
         let is_read = read.is_some();
         let change = match &self.root {
             Root::Config(file) if file == path => Change::Files,
-            // A page without definitions is no page of the project.
+            // A page without definitions is not part of the project.
             Root::Folder(folder) if is_read != discovery::is_read(folder, path, text) => Change::Files,
             _ if is_read => Change::Texts,
             _ => Change::None,
@@ -112,12 +112,12 @@ impl Project {
         self.change = self.change.max(change);
     }
 
-    /// Notes that files changed.
+    /// Records that files changed.
     pub(super) fn reload(&mut self) {
         self.change = Change::Files;
     }
 
-    /// Reads the definitions again, if they changed. Returns true if they did.
+    /// Reads the definitions again if they changed. Returns true if they were read.
     pub(super) fn refresh(&mut self, open: &BTreeMap<PathBuf, String>, encoding: Encoding) -> bool {
         let known = match std::mem::replace(&mut self.change, Change::None) {
             Change::None => return false,

@@ -1,7 +1,7 @@
 //! Renames messages, fields, constants and types everywhere they are written.
 //!
-//! The definitions are read again with the new name. The rename is refused if it would cause an error or a warning, or
-//! if it would change the meaning of a field or a versioned message.
+//! The definitions are read again with the new name. The rename is refused if it causes an error or a warning, or
+//! changes the meaning of a field or a versioned message.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::ffi::OsStr;
@@ -46,7 +46,7 @@ pub(super) fn prepare(document: &Document<'_>, offset: usize) -> Result<PrepareR
 }
 
 /// The edits that rename the symbol at a byte offset, or the reason why it can't be renamed. `can_rename_files` is true
-/// if the editor can.
+/// if the editor can rename files.
 pub(super) fn rename(
     document: &Document<'_>,
     offset: usize,
@@ -121,7 +121,7 @@ impl Renaming<'_> {
         Ok((source, path.to_path_buf(), new))
     }
 
-    /// The places where the name is written, by source.
+    /// The edits of all occurrences of the name, by source.
     fn edits(&self) -> Edits {
         let mut edits = Edits::new();
         let sources = &self.snapshot.loaded.sources;
@@ -137,7 +137,7 @@ impl Renaming<'_> {
         edits
     }
 
-    /// The places in the configuration file that select the message.
+    /// The locations in the configuration file that select the message.
     fn selections(&self) -> Vec<Span> {
         let Symbol::Message(id) = self.symbol else { return Vec::new() };
         let schema = &self.snapshot.schema;
@@ -202,7 +202,7 @@ impl Renaming<'_> {
         }
     }
 
-    /// Checks that a constant stays in its enums.
+    /// Checks that a constant remains a member of its enums.
     fn check_enums(&self, new: &Schema) -> Result<(), String> {
         let Symbol::Constant(id, at) = self.symbol else { return Ok(()) };
         let users = |schema: &Schema| -> usize {
@@ -216,7 +216,7 @@ impl Renaming<'_> {
         Err(format!("{} would no longer belong to the same enums; keep its prefix", self.name))
     }
 
-    /// Checks that all fields count the same arrays. Without an annotation, the names determine the array.
+    /// Checks that each field still counts the same array. Without an annotation, the names determine the array.
     fn check_counts(&self, new: &Schema) -> Result<(), String> {
         let Symbol::Field(id, _) = self.symbol else { return Ok(()) };
         let (before, after) = (&self.snapshot.schema.message(*id).fields, &new.message(*id).fields);

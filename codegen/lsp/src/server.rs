@@ -122,7 +122,7 @@ impl<'c> Server<'c> {
         let _ = self.connection.receiver.iter().find(is_exit);
     }
 
-    /// Sends a message. If the editor has gone, the loop ends with the next message.
+    /// Sends a message. If the editor has disconnected, the loop ends with the next message.
     fn send(&self, message: Message) {
         let _ = self.connection.sender.send(message);
     }
@@ -285,7 +285,7 @@ impl<'c> Server<'c> {
         let mut current = BTreeMap::new();
         for project in &self.workspace.projects {
             let mut found = diagnostics::of_project(project);
-            // The owner of a file also determines that the file has no findings.
+            // The owner of a file determines its findings, even if there are none.
             let is_owner = |owner: &Project| owner.root == project.root;
             found.retain(|path, _| self.workspace.owner_of(path).is_some_and(is_owner));
             current.append(&mut found);
@@ -321,8 +321,8 @@ fn unknown(method: &str) -> Failed {
     (ErrorCode::MethodNotFound, format!("unknown request `{method}`"))
 }
 
-/// The features of the server, in the form of `lsp_types::ServerCapabilities`. Code that writes this type, with the
-/// features of all servers, takes long to compile.
+/// The features of the server, in the form of `lsp_types::ServerCapabilities`. That type covers the features of all
+/// servers, and would increase the compile time.
 fn capabilities(encoding: Encoding) -> Value {
     json!({
         "positionEncoding": encoding.kind(),
@@ -355,7 +355,7 @@ mod tests {
         for encoding in [Encoding::Utf8, Encoding::Utf16] {
             let features = capabilities(encoding);
             let known: ServerCapabilities = serde_json::from_value(features.clone()).expect("capabilities");
-            // An unknown name would be missing.
+            // An unknown name would be missing in the typed value.
             assert_eq!(json!(known).to_string(), features.to_string());
         }
     }

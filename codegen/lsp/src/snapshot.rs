@@ -1,4 +1,4 @@
-//! The definitions of a project at one moment, and what was found in them.
+//! The definitions of a project at one point in time, and their findings.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -20,7 +20,7 @@ use uavspec_schema::{Form, MessageId, Schema};
 use super::lines::{Encoding, Index, Lines};
 use super::uri;
 
-/// The rule of a reference to a package that the workspace doesn't contain.
+/// The rule about references to packages that the workspace doesn't contain.
 const UNKNOWN_PACKAGE: &str = "unknown-package";
 
 /// Definitions with the texts of open documents.

@@ -1,4 +1,4 @@
-//! The named things in definitions, and the places where they are written.
+//! Named items in definitions, and their occurrences.
 
 mod occurrence;
 mod page;
@@ -42,7 +42,8 @@ pub(super) fn at(document: &Document<'_>, offset: usize) -> Option<Occurrence> {
     occurrences(document).into_iter().find(|found| found.span.start <= place && place <= found.span.end)
 }
 
-/// The name of a symbol where it is defined. A message is defined by its file, so its place is the start of the file.
+/// The name of a symbol where it is defined. A message is defined by its file, so its location is the start of the
+/// file.
 pub(super) fn definition(snapshot: &Snapshot, symbol: &Symbol) -> Option<Span> {
     let declaration = declaration(snapshot, symbol)?;
     let path = snapshot.path(snapshot.loaded.sources.source_of(declaration))?;
@@ -51,7 +52,7 @@ pub(super) fn definition(snapshot: &Snapshot, symbol: &Symbol) -> Option<Span> {
     Some(names.next().map_or(declaration, |name| name.span))
 }
 
-/// The place where a symbol is declared.
+/// The location of a symbol's declaration.
 fn declaration(snapshot: &Snapshot, symbol: &Symbol) -> Option<Span> {
     let schema = &snapshot.schema;
     let start = |span: Span| Span { start: span.start, end: span.start };
@@ -128,7 +129,7 @@ impl<'d, 's> Finder<'d, 's> {
         }
     }
 
-    /// The message that a field's type names.
+    /// Adds the message that the type of a field refers to.
     fn reference(&mut self, field: &Field<'_>, resolved: &uavspec_schema::Field) {
         let (Element::Message { name, .. }, uavspec_schema::Element::Message(id)) =
             (field.ty.element, resolved.ty.element)
@@ -143,7 +144,7 @@ impl<'d, 's> Finder<'d, 's> {
         }
     }
 
-    /// The constants and fields that annotations name.
+    /// Adds the constants and fields that annotations refer to.
     fn note(&mut self, note: &Note<'_>) {
         for annotation in &note.annotations {
             let text = self.document.text(annotation.span);
@@ -173,7 +174,7 @@ impl<'d, 's> Finder<'d, 's> {
                     self.name(found, name, annotation.span, "@".len() + kind.name.len());
                 }
                 Statement::Attribute(attribute, value) => {
-                    // The value is in a field or a constant.
+                    // The attribute refers to a field or a constant.
                     let Some(name) = value.strip_prefix('@') else { continue };
                     let found = self.field(name).or_else(|| self.constant(name));
                     self.name(found, name, annotation.span, "@".len() + attribute.name.len());

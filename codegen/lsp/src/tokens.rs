@@ -31,7 +31,7 @@ const KINDS: [SemanticTokenTypes; 7] = [
     SemanticTokenTypes::Number,
 ];
 
-/// The bit of the modifier of definitions.
+/// The bit of the modifier for definitions.
 const DEFINITION: u32 = 1;
 
 /// The kinds and modifiers of tokens.

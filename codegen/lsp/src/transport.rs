@@ -115,7 +115,7 @@ mod tests {
         assert_eq!(read("").map(|messages| messages.len()), Ok(0));
     }
 
-    /// The length of a message that isn't there needs no memory.
+    /// A length without a message causes no allocation.
     #[test]
     fn invalid_lengths_and_headers_are_errors() {
         for (text, expected) in [

@@ -10,7 +10,7 @@ use uavspec_schema::path::normalise;
 const ENCODED: &AsciiSet =
     &NON_ALPHANUMERIC.remove(b'/').remove(b'-').remove(b'_').remove(b'.').remove(b'~').remove(b':');
 
-/// The path of a file URI, or `None` for other URIs, such as those of unsaved documents.
+/// The path of a file URI, or `None` for other URIs, such as the URIs of unsaved documents.
 pub(super) fn to_path(uri: &Uri) -> Option<PathBuf> {
     let rest = uri.0.strip_prefix("file://")?;
     let path = rest.get(rest.find('/')?..)?;

@@ -69,7 +69,7 @@ impl Workspace {
         self.opened.insert(path.to_path_buf());
     }
 
-    /// Adds the project of a document outside all projects: that of its configuration file, or of its folder.
+    /// Adds the project of a document outside all projects: the project of its configuration file, or of its folder.
     fn add_project_of(&mut self, path: &Path) {
         let folder = path.parent().unwrap_or(path);
         let config = path.ancestors().skip(1).find_map(Config::in_folder);
@@ -109,7 +109,7 @@ impl Workspace {
         }
     }
 
-    /// Notes that files changed. The configuration file of a workspace folder may be new or removed.
+    /// Records that files changed. The configuration file of a workspace folder may have been added or removed.
     pub(super) fn reload(&mut self) {
         let with_project: Vec<PathBuf> =
             self.open.keys().filter(|path| self.project_of(path).is_some()).cloned().collect();
@@ -153,7 +153,8 @@ impl Workspace {
         }
     }
 
-    /// True if the document is in the folder of a project that can't be read: its configuration may include the document.
+    /// True if the document is in the folder of an unreadable project. The configuration of the project may include the
+    /// document.
     fn may_be_configured(&self, path: &Path) -> bool {
         let has_failed = |project: &Project| project.failure().is_some();
         self.projects.iter().any(|project| has_failed(project) && path.starts_with(project.root.folder()))
@@ -259,7 +260,8 @@ mod tests {
         }
     }
 
-    /// Otherwise, references to a file would take time proportional to their number and the size of the file.
+    /// If lines were found for each reference, the time would be proportional to the number of references and the size
+    /// of the file.
     #[test]
     fn the_lines_of_a_file_are_found_once() {
         let folder = tempfile::tempdir().expect("a folder");

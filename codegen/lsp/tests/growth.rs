@@ -81,7 +81,8 @@ fn outputs_grow_linearly_with_the_definitions() {
     }
 }
 
-/// Definitions that grow in one dimension: its name, their form, the number of parts, and the files with any number of parts.
+/// A dimension in which definitions grow: its name, the form of the definitions, the number of parts, and a function
+/// that creates the files with a given number of parts.
 type Dimension = (&'static str, Form, usize, fn(usize) -> Files);
 
 const PX4: Form = Form::Msg(Dialect::Px4);
@@ -170,7 +171,7 @@ fn event(arguments: &str) -> String {
     format!("\"1\": {{\"name\": \"wind\", \"message\": \"Wind\", \"arguments\": [{arguments}]}},")
 }
 
-/// Event metadata with lists of enums and events. Each item ends with a comma, of which JSON has one less.
+/// Event metadata with lists of enums and events. Each item ends with a comma, and the last comma is removed.
 fn metadata(enums: &str, events: &str) -> Files {
     let text = format!(
         "{{\"version\": 2, \"components\": {{\"0\": {{\"namespace\": \"common\", \"enums\": {{{enums}}},\n\
@@ -281,14 +282,14 @@ fn add(sources: &mut SourceMap, form: Form, files: &Files) -> PackageInput {
     package
 }
 
-/// Counts the allocations of this thread only: so small inputs are read, which need no other threads.
+/// Only the allocations of this thread are counted, so the inputs are small enough to be read in one thread.
 #[test]
 fn allocations_grow_linearly_with_each_dimension() {
     let mut failures = Vec::new();
     let pairs = DIMENSIONS.into_iter().flat_map(|dimension| WORK.iter().map(move |work| (dimension, work)));
-    // The quick step leads to different dimensions and parts.
+    // The step of a quick run selects different dimensions and parts.
     for ((name, form, count, files), (work, times, run)) in pairs.step_by(support::extent(1, 43)) {
-        // The first run also fills what is created lazily.
+        // The first run also creates lazily initialized data.
         run(form, &files(2));
         let [once, twice] = [count, 2 * count].map(|count| {
             let files = files(times * count);

@@ -39,7 +39,7 @@ fn with_winch() -> Vec<(&'static str, &'static str)> {
     vec![("uavspec.toml", config), ("msg/Mark.msg", MARK), ("msg/Tow.msg", TOW), ("msg/Winch.msg", WINCH)]
 }
 
-/// Two ROS packages, of which one uses the other.
+/// Two ROS packages. One package uses the other.
 const ROS: &[(&str, &str)] = &[
     ("src/sky_msgs/msg/Mark.msg", "# A turning point\n\nfloat64 height  # [m] Height\n"),
     (
@@ -475,7 +475,7 @@ fn folders_without_a_configuration_are_searched() {
     // A document that was never saved.
     editor.open_with("msg/New.msg", "# New\n\nuint64 timestamp  # [us] Time\nMark first  # Mark\n");
     assert!(editor.hover("msg/New.msg", "Ma^rk first").contains("px4/Mark"));
-    // A package that isn't in the workspace is no mistake of the definition.
+    // A reference to a package outside the workspace is not a mistake in the definition.
     let mut ros = Editor::new(&[("one_msgs/msg/A.msg", "# A\n\nrope_msgs/Rope rope  # Where\n")]);
     ros.expect_codes("one_msgs/msg/A.msg", &["unknown-package"]);
     assert_eq!(ros.diagnostics("one_msgs/msg/A.msg")[0]["severity"], json!(3));
@@ -567,7 +567,7 @@ fn errors_of_unreadable_files_are_reported_there() {
     fs::write(editor.path("msg/Tow.msg"), b"# A tow\n# \xff\n").expect("written");
     editor.notify("workspace/didChangeWatchedFiles", files);
     editor.expect_codes("msg/Tow.msg", &["invalid-utf8"]);
-    // The error stays in its place if the file before it becomes longer.
+    // The error keeps its location if the preceding file becomes longer.
     editor.open("msg/Mark.msg");
     editor.edit("msg/Mark.msg", "# [m] ", "# [parsec] ");
     editor.expect_codes("msg/Mark.msg", &["unknown-unit"]);
@@ -584,7 +584,7 @@ fn errors_of_unreadable_files_are_reported_there() {
 fn a_configuration_file_determines_the_findings_of_its_files() {
     let config = "[lint]\nlevels = { unknown-unit = \"off\" }\n\n".to_owned() + with_winch()[0].1;
     let mark = MARK.replace("[m]", "[parsec]");
-    // A folder that becomes a part of the workspace, within another one.
+    // A folder within another folder is added to the workspace.
     let mut editor = Editor::new(&[("inner/msg/Mark.msg", mark.as_str())]);
     editor.expect_codes("inner/msg/Mark.msg", &["unknown-unit"]);
     fs::write(editor.path("inner/uavspec.toml"), &config).expect("written");
@@ -592,7 +592,7 @@ fn a_configuration_file_determines_the_findings_of_its_files() {
     let event = json!({ "event": { "added": added, "removed": [] } });
     editor.notify("workspace/didChangeWorkspaceFolders", event);
     editor.expect_codes("inner/msg/Mark.msg", &[]);
-    // A configuration file that is new, and later removed.
+    // A configuration file is added, and later removed.
     let mut editor = Editor::new(&[("msg/Mark.msg", mark.as_str())]);
     editor.expect_codes("msg/Mark.msg", &["unknown-unit"]);
     fs::write(editor.path("uavspec.toml"), &config).expect("written");

@@ -12,9 +12,10 @@ fn is_invisible(character: char) -> bool {
         | '\u{2060}'..='\u{2069}' | '\u{feff}' | '\u{e0000}'..='\u{e007f}')
 }
 
-/// True for characters that no output shows as they are: control characters, line and paragraph separators, and
-/// characters that are invisible or change the direction of text (Unicode 15, `Default_Ignorable_Code_Point` and general
-/// category Cf). Joiners and variation selectors are allowed, because scripts and emoji need them.
+/// True for characters that outputs replace: control characters, line and paragraph separators, invisible characters,
+/// and characters that change the direction of text. Invisible and directional characters have the property
+/// `Default_Ignorable_Code_Point` or the general category Cf (Unicode 15). Joiners and variation selectors are allowed,
+/// because scripts and emoji need them.
 pub fn is_hidden(character: char) -> bool {
     if matches!(character, ' '..='~') {
         return false;

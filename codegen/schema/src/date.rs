@@ -55,7 +55,7 @@ impl Date {
         })
     }
 
-    /// The first second of the day, since 1970. `None` before 1970, and if the calendar lacks the day.
+    /// The first second of the day, since 1970. `None` before 1970, or if the day doesn't exist.
     pub fn start(self) -> Option<u64> {
         let date = NaiveDate::from_ymd_opt(self.year.into(), self.month.into(), self.day.into())?;
         u64::try_from(date.and_time(NaiveTime::MIN).and_utc().timestamp()).ok()

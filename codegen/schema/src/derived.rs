@@ -19,8 +19,8 @@ const INFO: [(&str, Scalar, Shape); 3] = [
 /// The suffixes of the messages that ROS 2 derives from a service.
 const OF_SERVICE: [&str; 3] = ["_Event", "_Request", "_Response"];
 
-/// The suffixes of the messages that ROS 2 derives from an action: those of its two services, of its feedback, and of its
-/// parts. No suffix ends with an earlier one.
+/// The suffixes of the messages that ROS 2 derives from an action: from its two services, its feedback and its parts.
+/// No suffix ends with an earlier suffix.
 const OF_ACTION: [&str; 10] = [
     "_SendGoal_Event",
     "_SendGoal_Request",
@@ -56,7 +56,7 @@ pub fn derived_from(name: &str) -> Option<(Kind, &str)> {
 
 impl Schema {
     /// Adds the messages that ROS 2 derives from services and actions: an event for each service, and the requests,
-    /// responses, events and feedback for each action. No package lists these messages: only recordings contain them.
+    /// responses, events and feedback for each action. No package lists these messages; only captures contain them.
     pub fn add_derived(&mut self) {
         let mut derivation = Derivation { schema: self, info: None, time: None, uuid: None };
         for package in 0..derivation.schema.packages.len() {
@@ -127,7 +127,8 @@ impl Derivation<'_> {
         self.schema.add_message(place, format!("{service}_Event"), fields);
     }
 
-    /// Adds the messages of an action: those of the services that send a goal and get a result, and the feedback.
+    /// Adds the messages of an action: the messages of the services that send a goal and get a result, and the
+    /// feedback.
     fn add_action(&mut self, place: Place, action: &str, [goal, result, feedback]: [MessageId; 3]) {
         let single = |name, element| place.field(name, element, Shape::Single);
         let (id, time) = (Element::Message(self.uuid(place.span)), Element::Message(self.time(place.span)));
@@ -180,7 +181,7 @@ impl Derivation<'_> {
     }
 }
 
-/// The place of a derived message.
+/// The location of a derived message.
 #[derive(Clone, Copy)]
 struct Place {
     package: usize,

@@ -14,14 +14,14 @@ pub fn lines(text: &str) -> Vec<&str> {
     text.split_inclusive('\n').collect()
 }
 
-/// The operations that turn the `old` lines into the `new` lines. They cover all lines, in order.
+/// The operations that turn the `old` lines into the `new` lines. The operations cover all lines, in order.
 pub fn operations(old: &[&str], new: &[&str]) -> Vec<DiffOp> {
     let mut found = Compact::new(Replace::new(Capture::new()), old, new);
     let Ok(()) = myers::diff(&mut found, old, 0..old.len(), new, 0..new.len());
     found.into_inner().into_inner().into_ops()
 }
 
-/// The patch that turns the `old` text of a file into the `new` text. Empty, if the texts are equal.
+/// The patch that turns the `old` text of a file into the `new` text. Empty if the texts are equal.
 pub fn patch(file: &str, old: &str, new: &str) -> String {
     let (old, new) = (lines(old), lines(new));
     let mut patch = String::new();
@@ -46,7 +46,7 @@ pub fn patch(file: &str, old: &str, new: &str) -> String {
     patch
 }
 
-/// The place of lines in the head of a hunk. The place of no lines is the line before.
+/// The location of lines in the header of a hunk. For an empty range, the location is the preceding line.
 fn place(lines: Range<usize>) -> String {
     match lines.len() {
         0 => format!("{},0", lines.start),

@@ -1,7 +1,7 @@
 //! Events: the components, enums and events of event metadata.
 //!
-//! Event metadata is the JSON file that PX4's build writes as `all_events.json`, and that PX4 embeds in its logs. The format
-//! is libevents' (<https://github.com/mavlink/libevents>).
+//! Event metadata is the JSON file that PX4's build writes as `all_events.json`, and that PX4 embeds in its logs. The
+//! format is defined by libevents (<https://github.com/mavlink/libevents>).
 
 mod compressed;
 pub(crate) mod file;
@@ -18,13 +18,13 @@ use uavspec_runtime::event::Labels;
 
 use crate::span::Span;
 
-/// The component of the events that several components share.
+/// The component with events that several components share.
 pub const COMMON: &str = "common";
 
-/// The group of events that report what prevents arming.
+/// The group of events that report reasons against arming.
 pub const ARMING_CHECK: &str = "arming_check";
 
-/// The group of events that report what is wrong with the vehicle.
+/// The group of events that report problems of the vehicle.
 pub const HEALTH: &str = "health";
 
 /// The groups of events that make up reports.
@@ -99,7 +99,7 @@ impl Labels for EventEnum {
 /// An event.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Event {
-    /// The id, with the component.
+    /// The id, which includes the id of the component.
     pub id: u32,
     /// The name.
     pub name: String,

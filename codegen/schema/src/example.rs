@@ -42,7 +42,7 @@ pub const CONVERTED: [Example; 2] = [
     Example { path: "new_msgs/Glider.msg", text: "float32 sink\nbool is_landed\n" },
 ];
 
-/// The file of a message whose values are also those of event metadata.
+/// The file of a message with values that also occur in event metadata.
 const STATUS: &str = "VehicleStatus.msg";
 
 /// The event metadata with the values of [`STATUS`].
@@ -154,8 +154,8 @@ impl Example {
         is_catalogue(self.path) || is_hints(self.path) || self.path.ends_with(EVENTS)
     }
 
-    /// The path and text. A catalogue and hints are preceded by the definitions that they refer to, and the state of a
-    /// vehicle by the event metadata with its values.
+    /// The path and text. A catalogue or hints file is preceded by the definitions that it refers to. The state of a
+    /// vehicle is preceded by the event metadata with its values.
     pub fn files(&self) -> Vec<(&'static str, &'static str)> {
         let definitions: &[Self] = match self.path {
             path if is_catalogue(path) => &[TRANSLATED],

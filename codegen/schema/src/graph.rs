@@ -13,8 +13,7 @@ fn graph(steps: &[Vec<usize>]) -> DiGraph<(), (), usize> {
     graph
 }
 
-/// The groups of nodes that lead to each other, in which most nodes are alone. Each group follows the groups that its
-/// nodes lead to.
+/// The strongly connected components of the graph. Each component follows the components that its nodes lead to.
 ///
 /// ```
 /// // 0 → 1 ⇄ 2 → 3
@@ -27,7 +26,7 @@ pub fn groups(steps: &[Vec<usize>]) -> Vec<Vec<usize>> {
     groups.map(|group| group.into_iter().map(NodeIndex::index).collect()).collect()
 }
 
-/// All nodes, each after its successors. Only a successor that leads back to the node may follow it.
+/// All nodes, each after its successors. Only successors that lead back to a node may follow it.
 ///
 /// ```
 /// // 0 → 1 ⇄ 2 → 3

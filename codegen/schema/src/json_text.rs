@@ -1,7 +1,7 @@
 //! JSON for terminals, logs and files.
 //!
-//! JSON may contain any character, but a terminal or a CI system may act on some of them. They are written as escapes
-//! such as `\u202e`, so readers of the JSON get the original text.
+//! JSON may contain any character, but a terminal or a CI system may act on some of them. These characters are written
+//! as escapes such as `\u202e`, so readers of the JSON get the original text.
 
 use std::io::{self, Write};
 
@@ -40,7 +40,7 @@ impl<W: Write> Write for Escaping<W> {
     fn write(&mut self, part: &[u8]) -> io::Result<usize> {
         // The serializer writes whole characters.
         let text = str::from_utf8(part).map_err(io::Error::other)?;
-        // In a string, a quotation mark precedes.
+        // In a string, a quotation mark precedes the text, so the text doesn't start a line.
         let mut command = Command::Text;
         let mut start = 0;
         for (at, character) in text.char_indices() {

@@ -189,7 +189,7 @@ impl Expression {
         }
     }
 
-    /// The named types among the expression and its alternatives, without those in lists and maps.
+    /// The named types among the expression and its alternatives, without types in lists and maps.
     pub fn alternatives(&self) -> Vec<JsonTypeId> {
         match self {
             Self::Named(id) => vec![*id],

@@ -1,5 +1,5 @@
-//! Reads definitions: the text of `.msg`, `.srv` and `.action` files and of pages with tables enters, and one checked and
-//! complete model leaves, the [`Schema`], with a list of all mistakes ([`Diagnostic`]).
+//! Reads definitions: `.msg`, `.srv` and `.action` files, and pages with tables. The result is one complete and checked
+//! model, the [`Schema`], and a list of all mistakes ([`Diagnostic`]).
 //!
 //! ```text
 //!  text ──msg, table──▶ syntax tree ──resolve──▶ Schema

@@ -1,4 +1,4 @@
-//! The limits on what this crate reads and stores. They bound the time and the memory that hostile input takes.
+//! Limits on the input and the stored data, which bound the time and the memory that hostile input takes.
 
 // Files.
 
@@ -22,13 +22,13 @@ pub(crate) const MAX_UNIT_LEN: usize = 20;
 /// The maximum length of an annotation. The limit makes the search for `]` linear.
 pub(crate) const MAX_ANNOTATION_LEN: usize = 400;
 
-/// The longest name of a file that all common file systems accept, in bytes.
+/// The maximum length of a file name that all common file systems accept, in bytes.
 pub(crate) const MAX_NAME_LEN: usize = 255;
 
 /// The maximum size of a message. No PX4 or ROS 2 transport carries larger messages.
 pub const MAX_MESSAGE_SIZE: u64 = 16 << 20;
 
-/// The maximum number of fields of a message, including nested fields. The hash visits each field.
+/// The maximum number of fields of a message, including nested fields. Hashing visits each field.
 pub const MAX_NESTED_FIELDS: u64 = 1 << 20;
 
 /// The maximum number of levels below a message. Emitters recurse once per level, so this limit bounds the stack. Real
@@ -44,21 +44,21 @@ pub(crate) const MAX_MEMBERS: usize = 1 << 20;
 
 // Event metadata.
 
-/// The maximum length of event metadata, in bytes. The longest known one has 160 kB.
+/// The maximum length of event metadata, in bytes. The longest known file has 160 kB.
 pub const MAX_EVENTS_LEN: usize = 1 << 20;
 
-/// The maximum number of values in event metadata. The largest known one has 4,000. A value of a few bytes takes up to
-/// 500 bytes when it is parsed.
+/// The maximum number of values in event metadata. The largest known file has 4,000 values. A value of a few bytes
+/// takes up to 500 bytes when it is parsed.
 pub(crate) const MAX_EVENT_VALUES: usize = 1 << 16;
 
-/// The maximum memory that xz may reserve, in KiB. PX4's build uses a dictionary of 64 MiB. A file uses only as much of it
-/// as the file is long.
+/// The maximum memory that xz may reserve, in KiB. PX4's build uses a dictionary of 64 MiB. Decompression uses no more
+/// of the dictionary than the length of the file.
 pub(crate) const MAX_XZ_MEMORY: u32 = 66 << 10;
 
 /// The maximum number of mistakes that are reported for a file, and for a package.
 pub(crate) const MAX_MISTAKES: usize = 1_000;
 
-/// The maximum number of names that are compared to suggest others for unknown types.
+/// The maximum number of names that are compared to suggest a name for an unknown type.
 pub(crate) const MAX_COMPARED_NAMES: usize = 10_000;
 
 /// The maximum length of a text of an event, in bytes. Reading a hostile text takes time proportional to the square of its

@@ -304,7 +304,7 @@ pub enum Element {
 }
 
 impl Type {
-    /// The type as a definition writes it, where a text is an array of `char`.
+    /// The type as written in a definition. A text is written as an array of `char`.
     #[must_use]
     pub fn written(self) -> Self {
         match self.element {
@@ -361,7 +361,7 @@ pub struct Field {
     pub enum_prefixes: Vec<String>,
     /// The enum with these prefixes.
     pub enumeration: Option<EnumRef>,
-    /// False if the text only resembles an annotation with these prefixes. Other values are valid then.
+    /// False if the text only resembles an annotation with these prefixes. In that case, other values are also valid.
     pub is_enum_exact: bool,
     /// The index of the array field whose used elements this field counts.
     pub counts: Option<usize>,

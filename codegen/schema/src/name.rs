@@ -2,7 +2,7 @@
 
 use crate::limits::MAX_NAME_LEN;
 
-/// The names of devices on Windows. A file with such a name can't be created there, even with an extension.
+/// Device names on Windows. Windows can't create a file with such a name, even with an extension.
 const DEVICES: [&str; 6] = ["con", "prn", "aux", "nul", "conin$", "conout$"];
 
 /// True for letters, digits and `_`, starting with a letter.

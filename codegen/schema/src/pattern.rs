@@ -8,7 +8,7 @@ use regex_syntax::hir::{Class, Hir, HirKind};
 /// of ECMA-262. With this flag, other escapes are errors, or have a different meaning than in Rust.
 const ESCAPED: &str = "^$\\.*+?()[]{}|/dDwWfnrtv";
 
-/// Escapes of word boundaries, which aren't part of a class.
+/// Escapes for word boundaries, which can't be part of a class.
 const BOUNDARIES: &str = "bB";
 
 /// The maximum length of an example.
@@ -16,8 +16,8 @@ const MAX_EXAMPLE_LEN: usize = 1_000;
 
 /// True if all dialects interpret the regular expression in the same way.
 ///
-/// `.` is an exception that is accepted because patterns often contain it. In Rust, it matches all characters except
-/// `\n`. In ECMA-262, it doesn't match `\r`, U+2028 and U+2029 either.
+/// `.` is accepted as an exception, because patterns often contain it. In Rust, `.` matches all characters except `\n`.
+/// In ECMA-262, `.` doesn't match `\r`, U+2028 and U+2029 either.
 pub(crate) fn is_known(pattern: &str) -> bool {
     is_shared(pattern) && parse(pattern).is_some()
 }

@@ -73,7 +73,7 @@ pub fn read(sources: &SourceMap, packages: &[PackageInput]) -> (Schema, Vec<Diag
 }
 
 /// Like [`read`], but without the hashes of messages and types. The time is proportional to the size of the sources, so
-/// the sources may come from anyone.
+/// the sources may be untrusted.
 pub fn read_formats(sources: &SourceMap, packages: &[PackageInput]) -> (Schema, Vec<Diagnostic>) {
     read_with(sources, packages, resolve_formats)
 }

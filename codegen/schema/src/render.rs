@@ -143,13 +143,14 @@ fn quote(
         .annotation(kind.span(range).label((!label.is_empty()).then_some(label)))
 }
 
-/// Replaces characters that a terminal or a CI system would act on with U+FFFD. Returns the new line, and the bytes of
-/// the same range in it. Each character keeps its column, so carets stay below the text that they mark.
+/// Replaces characters that a terminal or a CI system would interpret. Each becomes U+FFFD. Returns the new line, and
+/// the byte range of the same characters in it. Each character keeps its column, so carets stay below the text that
+/// they mark.
 fn visible_line(line: &str, range: Range<usize>) -> (Cow<'_, str>, Range<usize>) {
     if line.bytes().all(Command::is_plain) {
         return (Cow::Borrowed(line), range);
     }
-    // A line number precedes.
+    // A line number precedes the line.
     let (mut command, mut text, mut start, mut end) = (Command::Text, String::new(), None, None);
     for (at, character) in line.char_indices() {
         start = start.or((at >= range.start).then_some(text.len()));

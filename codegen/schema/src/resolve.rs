@@ -34,8 +34,8 @@ pub fn resolve(packages: &[PackageSource<'_>]) -> (Schema, Vec<Diagnostic>) {
     (resolver.schema, resolver.diagnostics)
 }
 
-/// Like [`resolve`], but without the hashes of messages and types. Computing them takes much longer than the rest if the
-/// input is hostile.
+/// Like [`resolve`], but without the hashes of messages and types. For hostile input, computing the hashes takes much
+/// longer than everything else.
 pub fn resolve_formats(packages: &[PackageSource<'_>]) -> (Schema, Vec<Diagnostic>) {
     let mut resolver = resolve_without_hashes(packages);
     resolver.select();

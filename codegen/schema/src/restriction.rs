@@ -36,8 +36,8 @@ impl Restriction {
 }
 
 impl Schema {
-    /// The enum of a field, if other values are unknown. Bits that the definition doesn't declare with `@flags` may have
-    /// any combination.
+    /// The enum of a field, if its values are restricted to the members. Bits that the definition doesn't declare with
+    /// `@flags` may have any combination.
     pub fn enforced_enum(&self, field: &Field) -> Option<&Enum> {
         let reference = field.enumeration.filter(|_| field.is_enum_exact)?;
         let found = self.enumeration(reference);

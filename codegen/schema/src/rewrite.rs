@@ -49,7 +49,7 @@ pub fn write(changes: &[Change]) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Writes the new content to a temporary folder in the same folder, with the same permissions.
+/// Writes the new content to a temporary folder next to the changed file, with the same permissions.
 fn stage<'c>(change: &'c Change, stages: &mut BTreeMap<&'c Path, Stage>) -> io::Result<TempPath> {
     let permissions = fs::metadata(&change.path)?.permissions();
     if permissions.readonly() {

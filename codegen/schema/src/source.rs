@@ -183,7 +183,7 @@ impl SourceMap {
         SourceId(offset(after.saturating_sub(1)))
     }
 
-    /// Whether `span` is within one source and doesn't split a character.
+    /// True if `span` is within one source and doesn't split a character.
     pub fn contains(&self, span: Span) -> bool {
         let Some(source) = self.source(span) else { return false };
         let within = |at: u32| Some(at.checked_sub(source.start)? as usize);

@@ -1,11 +1,11 @@
-//! Temporary folders next to the files of a user. They never outlive their run for long.
+//! Temporary folders next to the files of a user. Later runs remove the folders of killed runs.
 //!
 //! Each folder contains a locked file. The operating system releases the lock if the run is killed, so the next run can
-//! tell an abandoned folder from one in use. The file's content and the folder's owner show that the folder is neither
-//! another program's nor another user's.
+//! distinguish an abandoned folder from a folder in use. The file's content and the folder's owner show that the folder
+//! belongs to this program and this user.
 //!
-//! The folder to which a run writes may be writable for others. So the temporary folders are private, and new files never
-//! replace existing ones or follow links.
+//! Other users may be able to write to the output folder. The temporary folders are therefore private, and new files
+//! never replace existing files or follow links.
 //!
 //! ```
 //! use uavspec_schema::stage::Stage;
@@ -50,7 +50,7 @@ const PRIVATE: u32 = 0o700;
 #[cfg(unix)]
 const DEFAULT: u32 = 0o666;
 
-/// The maximum number of attempts to create a temporary folder while other runs remove theirs.
+/// The maximum number of attempts to create a temporary folder while other runs remove their folders.
 const MAX_ATTEMPTS: usize = 1_000;
 
 /// A temporary folder, removed when it is dropped.
@@ -62,7 +62,7 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// Creates a temporary folder in `folder`, and removes abandoned ones.
+    /// Creates a temporary folder in `folder`, and removes abandoned folders.
     pub fn new(folder: &Path) -> io::Result<Self> {
         let path = private(PREFIX).tempdir_in(folder)?.keep();
         let lock = OpenOptions::new().read(true).write(true).create_new(true).open(path.join(LOCK))?;
@@ -116,7 +116,8 @@ impl Stage {
         &self.path
     }
 
-    /// Creates a file with a random name in the temporary folder. It has these permissions, or the default ones.
+    /// Creates a file with a random name in the temporary folder. The file has the given permissions, or the default
+    /// permissions.
     ///
     /// # Errors
     /// Fails if the file can't be created.
@@ -133,8 +134,8 @@ impl Stage {
         Ok(file)
     }
 
-    /// Locks an existing folder. `None` if the folder was removed meanwhile. Fails if it isn't a temporary folder of this
-    /// user.
+    /// Locks an existing folder. `None` if the folder was removed in the meantime. Fails if it isn't a temporary folder
+    /// of this user.
     fn take_over(path: PathBuf, user: u32, lock: fn(&File) -> io::Result<()>) -> io::Result<Option<Self>> {
         // A link could lead to any other folder.
         match fs::symlink_metadata(&path) {
@@ -144,7 +145,8 @@ impl Stage {
         }
         let Some(mut file) = open_lock(&path)? else { return Ok(None) };
         lock(&file)?;
-        // A stage of a removed folder is never created: dropping it would remove the folder of the next owner.
+        // A stage for a removed folder must never be created: dropping the stage would remove the folder of the next
+        // owner.
         if !is_current(&file, &path) {
             return Ok(None);
         }
@@ -242,7 +244,7 @@ fn unless_unsupported(error: io::Error) -> io::Result<()> {
     if error.kind() == ErrorKind::Unsupported { Ok(()) } else { Err(error) }
 }
 
-/// Opens the lock file in a temporary folder. `None` if the folder was removed meanwhile.
+/// Opens the lock file in a temporary folder. `None` if the folder was removed in the meantime.
 fn open_lock(path: &Path) -> io::Result<Option<File>> {
     // Creating a new file never follows a link.
     let opened = match OpenOptions::new().read(true).write(true).create_new(true).open(path.join(LOCK)) {
@@ -263,14 +265,14 @@ fn existing_lock(path: &Path) -> io::Result<File> {
     Err(foreign(&lock, "is not a file"))
 }
 
-/// True if a lock file is a run's.
+/// True if the content of a lock file shows that a run created it.
 fn is_marked(lock: &mut File) -> bool {
     let mut text = String::new();
     let read = lock.rewind().and_then(|()| lock.take(MARK.len() as u64 + 1).read_to_string(&mut text));
     read.is_ok() && text == MARK
 }
 
-/// The user who owns a file. Other systems have no owners that anyone could compare.
+/// The owner of a file. Other systems have no user ids to compare.
 fn owner(metadata: &Metadata) -> u32 {
     #[cfg(unix)]
     return std::os::unix::fs::MetadataExt::uid(metadata);
@@ -278,12 +280,12 @@ fn owner(metadata: &Metadata) -> u32 {
     return u32::from(metadata.is_symlink());
 }
 
-/// The error of a folder that this program doesn't touch.
+/// The error for a folder that this program must not change.
 fn foreign(path: &Path, problem: &str) -> io::Error {
     io::Error::other(format!("{} {problem}: rename or remove it", terminal::path(path)))
 }
 
-/// True if an open lock file is still the one in the folder.
+/// True if an open lock file is still the lock file in the folder.
 fn is_current(lock: &File, path: &Path) -> bool {
     let open = lock.try_clone().and_then(Handle::from_file);
     let named = Handle::from_path(path.join(LOCK));
@@ -299,8 +301,8 @@ fn entries(folder: &Path) -> io::Result<impl Iterator<Item = PathBuf>> {
     Ok(fs::read_dir(folder)?.filter_map(Result::ok).filter(is_stage).map(|entry| entry.path()))
 }
 
-/// Removes a temporary folder. The lock file is the last file, so a folder without one is empty. Files that can't be
-/// removed are left to the next run.
+/// Removes a temporary folder. The lock file is the last file, so a folder without a lock file is empty. Files that
+/// can't be removed are left to the next run.
 fn remove(path: &Path) {
     remove_files(path);
     let _ = fs::remove_file(path.join(LOCK));
@@ -422,7 +424,7 @@ mod tests {
             write().expect("written");
             assert_eq!(mode(&path), expected);
         }
-        // A new file has the permissions that any other program gives it.
+        // A new file has the same permissions as a new file of any other program.
         fs::remove_file(&path).expect("a file");
         write().expect("written");
         let other = folder.path().join("other");

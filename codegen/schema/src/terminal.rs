@@ -1,8 +1,8 @@
 //! Untrusted text in terminals and logs: names and contents of files, arguments, and responses of servers.
 //!
 //! Such text may contain terminal sequences, direction changes, or commands that CI systems execute when they find them
-//! in a log. [`shown()`] escapes a text for use within a line. [`Guard`] and [`guarded`] are the last defence for a whole
-//! output: they can't escape line breaks, because those are part of the output.
+//! in a log. [`shown()`] escapes a text for use within a line. [`Guard`] and [`guarded`] are the last defence for a
+//! whole output: they can't escape line breaks, because line breaks are part of the output.
 
 mod command;
 mod guard;

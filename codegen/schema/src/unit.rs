@@ -20,7 +20,7 @@ impl Unit {
 /// The symbol for a number without a unit.
 pub const NONE: &str = "-";
 
-/// The unit with this spelling: a unit of the list, or a unit of the SI with a prefix.
+/// The unit with this spelling: a unit of the list, or an SI unit with a prefix.
 pub fn lookup(spelling: &str) -> Option<&'static Unit> {
     listed(spelling).or_else(|| PREFIXED.iter().flatten().find(|unit| unit.is_spelled(spelling)))
 }
@@ -34,7 +34,7 @@ pub fn is_known(text: &str) -> bool {
     lookup(text).is_some() || combined(text).is_some_and(str::is_empty)
 }
 
-/// Skips the factors at the start of a text. `None` if one of them is not a unit.
+/// Skips the factors at the start of a text. `None` if a factor is not a unit.
 fn combined(text: &str) -> Option<&str> {
     let mut rest = factor(text.strip_prefix("1/").unwrap_or(text))?;
     while let Some(next) = rest.strip_prefix(['/', '*', '·']) {
@@ -104,7 +104,7 @@ macro_rules! scaled {
 
 macro_rules! prefixed {
     ($($symbol:literal $name:literal;)*) => {
-        /// The units that take the prefixes of the SI.
+        /// The units that take SI prefixes.
         const PREFIXED: &[[Unit; 10]] = &[$([
             scaled!("" "" $symbol $name),
             scaled!("n" "nano" $symbol $name),

@@ -1,4 +1,4 @@
-//! Event metadata that is damaged, hostile or huge.
+//! Tests of corrupt, hostile and huge event metadata.
 
 use allocation_counter::measure;
 use uavspec_runtime::Scalar;
@@ -90,9 +90,9 @@ fn the_largest_metadata_takes_little_memory() {
     for (text, expected) in [
         (component(&numbered(16_000, event)), 0),
         (component(&numbered(10_000, event)).replace("default", &"x".repeat(255)), 0),
-        // Each event would state the name of its group.
+        // Each event would repeat the name of its group.
         (component(&numbered(4_000, event)).replace("default", &"x".repeat(500_000)), 1),
-        // Each mistake would state the name of the first part.
+        // Each mistake would repeat the name of the first part.
         (
             format!(
                 r#"{{"version": 2, "components": {{"0": {{"namespace": "{}"}}, {}}}}}"#,

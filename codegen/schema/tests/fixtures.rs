@@ -1,12 +1,12 @@
 //! Fixtures for diagnostics. Each folder contains definitions, and all expected diagnostics in `expected.txt`.
 //!
 //! A case in `err/<code>` causes at least the error `<code>`. A case in `warn/<code>` causes at least the warning
-//! `<code>`, and no error; it shows more than the example of the lint rule with this id. A case in `ok/<name>` causes no diagnostics. A folder `<code>-<case>` is an additional case
-//! for `<code>`.
+//! `<code>`, and no error; it covers more than the example of the lint rule with this id. A case in `ok/<name>` causes
+//! no diagnostics. A folder `<code>-<case>` is an additional case for `<code>`.
 //!
-//! Markdown, `AsciiDoc` and text files are pages, `.json` files event metadata, and `.po` files translation catalogues. Other files are PX4
-//! definitions, unless a `dialect` file contains `ros2`. In that case, the case contains ROS 2 definitions, and each
-//! subfolder is a package.
+//! Markdown, `AsciiDoc` and text files are pages, `.json` files event metadata, and `.po` files translation catalogues.
+//! Other files are PX4 definitions, unless a `dialect` file contains `ros2`. With `ros2`, the files are ROS 2
+//! definitions, and each subfolder is a package.
 //!
 //! To update: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-schema fixtures::`.
 
@@ -146,7 +146,7 @@ fn generated() -> [Generated; 5] {
 
 #[test]
 fn rejects_definitions_too_large_for_fixtures() {
-    // The limit of members is so high that reaching it takes seconds.
+    // The limit on members is so high that reaching it takes seconds.
     let is_tried = |(code, _): &Generated| extent(true, *code != "too-many-members");
     for (code, files) in generated().into_iter().filter(is_tried) {
         let mut sources = SourceMap::default();
@@ -164,7 +164,7 @@ fn rejects_definitions_too_large_for_fixtures() {
     }
 }
 
-/// The examples of the lint rule with the same id show a warning.
+/// Warnings need no fixture, because the examples of the lint rules with the same ids cause them.
 #[test]
 fn every_error_has_a_fixture() {
     let named: Vec<&str> = cases("err").iter().filter_map(|case| code_of(case)).collect();

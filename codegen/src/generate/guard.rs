@@ -1,5 +1,5 @@
-//! Checks the paths of generated files before anything is written: no file is outside its output folder, and no two
-//! files are the same file on any system.
+//! Checks the paths of generated files before anything is written. No file is outside its output folder, and no two
+//! files have the same path on any system.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;

@@ -279,7 +279,7 @@ fn stage_files(change: &Changes<'_>, stage: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Writes a new file. It follows no link.
+/// Writes a new file, without following links.
 fn write_new(path: &Path, text: &str) -> io::Result<()> {
     File::create_new(path)?.write_all(text.as_bytes())
 }

@@ -37,8 +37,9 @@ pub fn extent<T>(full: T, quick: T) -> T {
     if std::env::var_os("UAVSPEC_TEST_THOROUGH").is_some_and(|value| value != "0") { full } else { quick }
 }
 
-/// The configuration of a property test with this number of cases. A quick run tries a sixteenth of them, but at least
-/// 16. Proptest doesn't save failing cases to files, because developers turn each of them into a test or a fixture.
+/// The configuration of a property test with this number of cases. A quick run tries a sixteenth of the cases, with a
+/// minimum of 16 cases. Proptest doesn't save failing cases to files, because developers turn each of them into a test
+/// or a fixture.
 pub fn config(cases: u32) -> Config {
     let quick = (cases / 16).max(16).min(cases);
     Config { failure_persistence: None, cases: extent(cases, quick), ..Config::default() }

@@ -24,7 +24,7 @@ const MAGICS: [(usize, &[u8], &str); 31] = [
         "a Git LFS pointer in place of the file: run `git lfs pull`",
     ),
     (0, b"/annex/objects/", "a git-annex pointer in place of the file: run `git annex get`"),
-    // The first definition of ArduPilot's log is that of definitions. The older logger of PX4 uses the same format.
+    // An ArduPilot log starts with the format of its format messages. PX4's old logger uses the same file format.
     (0, b"\xa3\x95\x80\x80", ARDUPILOT),
     (0, b"FMT, ", ARDUPILOT),
     (0, b"FMT,128", ARDUPILOT),
@@ -76,7 +76,7 @@ const WEB_PAGE: &str = "a web page: the download may have required a login; down
 /// The first bytes of `MAVLink` packets, in versions 1 and 2.
 const MAVLINK_PACKETS: [u8; 2] = [0xfe, 0xfd];
 
-/// The times that telemetry logs may have, in µs since 1970: from 2000 to 2100.
+/// The plausible times of telemetry logs, in µs since 1970: from 2000 to 2100.
 const TIMES: std::ops::Range<u64> = 946_684_800_000_000..4_102_444_800_000_000;
 
 /// Describes a file with these first bytes, and says what to do. `None` if its kind is unknown.
@@ -96,7 +96,7 @@ fn is_web_page(start: &[u8]) -> bool {
 /// Describes `MAVLink` packets. In telemetry logs, the time in µs precedes each packet.
 fn mavlink(start: &[u8]) -> Option<&'static str> {
     let is_packet = |at: usize| {
-        // The length of the payload, and a source that is a vehicle or a ground station.
+        // A non-empty payload, and the source of a vehicle or a ground station.
         let packet = start.get(at..at + 6)?;
         (MAVLINK_PACKETS.contains(&packet[0]) && packet[1] > 0).then_some(())
     };

@@ -58,7 +58,7 @@ impl Input {
         }
     }
 
-    /// The size in bytes, before decompression, if it is known. The size of a folder is that of the files in it.
+    /// The size in bytes, before decompression, if it is known. The size of a folder is the total size of its files.
     pub fn size(&self) -> Option<u64> {
         match self {
             Self::Path(path) if path.is_dir() => size_of_folder(path).ok(),
@@ -68,7 +68,7 @@ impl Input {
         }
     }
 
-    /// The version that an object store states.
+    /// The version that the object store reports.
     pub fn etag(&self) -> Option<&str> {
         match self {
             Self::Object(object) => object.etag(),
@@ -188,7 +188,7 @@ fn folder_of(pattern: &Path) -> PathBuf {
     if folder.as_os_str().is_empty() { PathBuf::from(".") } else { folder }
 }
 
-/// The number of levels below `folder` at which files can match a pattern.
+/// The number of levels below `folder` in which files can match a pattern.
 fn depth_of(pattern: &Path, folder: &Path) -> usize {
     let is_any_depth = pattern.components().any(|part| part.as_os_str().to_string_lossy().contains("**"));
     let levels = pattern.strip_prefix(folder).unwrap_or(pattern).components().count();
@@ -206,7 +206,7 @@ pub fn open(path: &Path) -> io::Result<Box<dyn Read + Send>> {
 /// The bytes of a file up to its current end. Otherwise, reading a file that always grows would never end.
 pub fn up_to_end(file: File) -> io::Result<io::Take<File>> {
     let metadata = file.metadata()?;
-    // Pipes, devices and files of `/proc` state no size.
+    // Pipes, devices and files of `/proc` report no size.
     let size = Some(metadata.len()).filter(|size| metadata.is_file() && *size > 0);
     Ok(file.take(size.unwrap_or(u64::MAX)))
 }
@@ -215,7 +215,7 @@ pub fn up_to_end(file: File) -> io::Result<io::Take<File>> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FileState {
     size: u64,
-    /// The time of the last change, if the file system states it.
+    /// The time of the last change, if the file system reports it.
     changed: Option<SystemTime>,
 }
 
@@ -396,7 +396,7 @@ mod tests {
         fn folders_that_link_to_each_other_in_several_ways_are_bounded() {
             let (root, folder) =
                 (tempfile::tempdir().expect("a folder"), tempfile::tempdir().expect("a folder"));
-            // The links of 13 levels are already more than the limit.
+            // Links across 13 levels already exceed the limit.
             let levels = extent(30, 13);
             let level = |number: u32| root.path().join(number.to_string());
             for number in 0..levels {

@@ -1,4 +1,4 @@
-//! Reads captures as streams, in bounded memory: bytes enter, records leave. The formats are `ULog`, MCAP, rosbag2's
+//! Reads captures as streams, in bounded memory: bytes in, records out. The formats are `ULog`, MCAP, rosbag2's
 //! `SQLite` and JSON, also compressed, from files and standard input. `uavspec-stores` reads object stores. The
 //! documentation of [`ulog`] has an example.
 

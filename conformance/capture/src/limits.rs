@@ -33,7 +33,7 @@ pub(crate) const MAX_BAG_FILES: usize = 10_000;
 /// The maximum number of topics in a bag.
 pub(crate) const MAX_BAG_TOPICS: usize = 1 << 16;
 
-/// The maximum number of nested lists and mappings in a `metadata.yaml`. rosbag2 writes up to nine.
+/// The maximum number of nested lists and mappings in a `metadata.yaml`. rosbag2 nests at most nine.
 pub(crate) const MAX_METADATA_DEPTH: usize = 32;
 
 /// The maximum number of topics, and of message definitions, in a `SQLite` file.

@@ -54,12 +54,13 @@ pub use self::sound::{AttachmentHead, metadata};
 pub use self::unpack::Packing;
 pub use self::writer::{Writer, attachment_body, compressed, metadata_body};
 
-/// The name of the metadata records about the publishers and subscribers of a live vehicle. The values are those of
-/// [`Endpoint::to_values`](uavspec_model::Endpoint::to_values). If only the id is stated, the endpoint ended.
+/// The name of the metadata records about the publishers and subscribers of a live vehicle.
+/// [`Endpoint::to_values`](uavspec_model::Endpoint::to_values) returns the values. A record with only the id means that
+/// the endpoint has ended.
 pub const ENDPOINT: &str = "uavspec:endpoint";
 
-/// The name of the metadata records about the definitions of an application. The values are those of
-/// [`ApplicationType::to_values`](uavspec_model::ApplicationType::to_values).
+/// The name of the metadata records about the definitions of an application.
+/// [`ApplicationType::to_values`](uavspec_model::ApplicationType::to_values) returns the values.
 pub const APPLICATION: &str = "uavspec:application";
 
 /// The name of the metadata records about lost messages. The values are `topic` and `count`.
@@ -75,7 +76,7 @@ pub const NOTE: &str = "uavspec:note";
 /// The name of the metadata record of a recording that was cut short. The value is `reason`.
 pub const CUT_SHORT: &str = "uavspec:cut_short";
 
-/// The names of attachments with the event metadata of the vehicle: those of the files that PX4's build writes.
+/// The names of attachments with the event metadata of the vehicle. PX4's build gives its files the same names.
 pub const EVENT_METADATA: [&str; 2] = ["all_events.json", "all_events.json.xz"];
 
 /// The metadata key of a channel whose messages were sent by this program. The value is `true`.

@@ -83,13 +83,13 @@ pub enum StatedType {
     Same,
     /// Another type.
     Other,
-    /// Neither the schema nor the metadata states a type.
+    /// Neither the schema nor the metadata contains a type.
     Unknown,
 }
 
-/// Compares the type that the schema of a channel states, or otherwise the hash in its metadata, with a definition. The
-/// schema consists of its name, encoding and text. Schemas without fields, invalid ones, and those in other encodings
-/// state nothing.
+/// Compares the type in the schema of a channel, or otherwise the hash in its metadata, with a definition. The schema
+/// consists of its name, encoding and text. Empty schemas, invalid schemas, and schemas in other encodings contain no
+/// type.
 pub fn stated_type(
     schema: Option<(&str, &str, &[u8])>,
     metadata: &BTreeMap<String, String>,
@@ -120,7 +120,7 @@ fn has_hash(metadata: &BTreeMap<String, String>) -> bool {
 struct BagFile<'f> {
     /// The name of the file in a bag of several files; otherwise, empty.
     name: &'f str,
-    /// The encodings of the topics' messages that the bag's metadata states.
+    /// The encodings of the topics' messages in the bag's metadata.
     encodings: Option<&'f BTreeMap<String, String>>,
 }
 
@@ -238,7 +238,7 @@ impl<'d> Channels<'d> {
         if basis == Basis::NoSchema && self.has_defined_hash(declared, message_id) {
             basis = Basis::Compared(Arc::new(Comparison::Equal));
         }
-        // An empty, invalid or unsupported schema doesn't show the fields.
+        // An empty, invalid or unsupported schema doesn't describe the fields.
         let lacks_schema = !matches!(basis, Basis::Compared(_));
         (open.status, open.identity.version) = (CheckStatus::Checked(basis), version);
         self.run.opened(&open.identity.channel());
@@ -265,7 +265,7 @@ impl<'d> Channels<'d> {
             self.run.undecided(&open.identity.channel());
             return;
         }
-        // Without a schema, only the hash shows the fields.
+        // Without a schema, only the hash identifies the fields.
         if lacks_schema && has_hash(&declared.metadata) && !has_defined_hash {
             open.status = CheckStatus::Checked(Basis::OtherHash);
             self.run.undecided(&open.identity.channel());
@@ -315,7 +315,7 @@ impl<'d> Channels<'d> {
         open.status = CheckStatus::OwnSchema;
         let Some(check) = self.checker(open, TypeSource::Own(Rc::clone(&stated))) else { return };
         open.reading = Reading::Cdr(Box::new(check));
-        // For an event of a service, captures state the hash of the service.
+        // For an event of a service, captures contain the hash of the service.
         let is_derived = open.schema.as_ref().is_some_and(|(name, _)| derived_from(&plain(name)).is_some());
         if let Some(hash) = declared.metadata.get(HASH).filter(|hash| !is_derived && is_comparable(hash)) {
             self.run.findings.cover(&px4::HASH_01.rule, 1);
@@ -340,7 +340,7 @@ impl<'d> Channels<'d> {
         Some(check)
     }
 
-    /// True if a channel states the type hash of its definition.
+    /// True if a channel has the type hash of its definition.
     fn has_defined_hash(&self, declared: &Declared, message_id: MessageId) -> bool {
         let definitions = self.run.definitions;
         let message = definitions.schema.message(message_id);
@@ -370,7 +370,7 @@ impl<'d> Channels<'d> {
         }
     }
 
-    /// Reports a hash that can't be the hash of any type. rosbag2 states an empty hash if it doesn't know the hash.
+    /// Reports a hash that can't be the hash of any type. rosbag2 writes an empty hash if it doesn't know the hash.
     fn malformed_hash(&mut self, open: &Open, declared: &Declared, definition: Option<MessageId>) {
         let Some(stated) = declared.metadata.get(HASH) else { return };
         if !stated.is_empty() && !is_type_hash(stated) {

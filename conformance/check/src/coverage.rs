@@ -194,12 +194,12 @@ impl PartResult {
         Self::Undecodable,
     ];
 
-    /// True if all records were checked against something.
+    /// True if all records were checked against a definition or their own schema.
     pub fn is_covered(self) -> bool {
         matches!(self, Self::Checked | Self::OwnSchema)
     }
 
-    /// The result as a property of a topic or type.
+    /// The result as a phrase that describes a topic or type.
     pub const fn phrase(self) -> &'static str {
         match self {
             Self::Checked => "fully checked",
@@ -323,7 +323,7 @@ impl Part {
     }
 
     fn finish(&mut self) {
-        // Records of a type that is known otherwise can only be skipped because they can't be decoded.
+        // A record of a decodable type is skipped only if the record can't be decoded.
         if self.result < PartResult::Undecodable && !self.records.is_full() {
             self.result = PartResult::Undecodable;
         }

@@ -274,7 +274,7 @@ impl<'d> FlockwaveChecker<'d> {
     fn record(&mut self, line: &ParsedLine<'_>, location: Location) -> Result<(), String> {
         let ParsedLine { name, direction, time, content, text, trial, note } = *line;
         let content = match content {
-            // The server may have read another value of the key than these rules.
+            // For a repeated key, the server may use a different value than these rules.
             Content::Message(value) if direction == Direction::Out && value.repeats_a_key() => Content::Raw,
             other => other,
         };

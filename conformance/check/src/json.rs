@@ -56,7 +56,7 @@ fn is_binary(start: &[u8]) -> bool {
 /// The number of bytes that show whether a file is text.
 const MAX_START: usize = 16;
 
-/// True if the first character is that of an object or an array.
+/// True if the first character starts an object or an array.
 pub(super) fn starts_like_json(start: &[u8]) -> bool {
     let text = String::from_utf8_lossy(start);
     text.trim_start_matches('\u{feff}').trim_start().starts_with(['{', '['])
@@ -279,7 +279,7 @@ impl<'d> JsonChecker<'d> {
                 self.advertised.get(name).copied().unwrap_or_else(guessed)
             }
         };
-        // A message without keys doesn't show the type of its topic. A later one decides.
+        // An empty message doesn't indicate the type of its topic. A later message decides.
         let is_decided = which == NameKind::Type || definition.is_some() || shows_type(message);
         if !is_decided && let Some(at) = self.channels.get(which, name) {
             return self.undefined(at);

@@ -1,6 +1,6 @@
-//! Checks captures: the bytes of a log, a bag, a recorded session or a list of messages enter; findings, a summary and a
-//! [`timeline`] leave. On the way, each record passes the rules and the check plan of its format. [`convert`] writes the
-//! messages of a capture as those of another release.
+//! Checks captures: logs, bags, recorded sessions and lists of messages. The results are findings, a summary and a
+//! [`timeline`]. Each record is checked by the rules and by the check plan of its format. [`convert`] converts the
+//! messages of a capture to another release.
 //!
 //! ```
 //! use uavspec_check::check_capture;
@@ -74,13 +74,13 @@ use self::run::{CheckRun, Logged, microseconds};
 pub use self::summary::{Describe, Line, List, MAX_LISTED, Totals, names};
 pub use self::topic::{confirms, definition_of, definition_of_json, is_guess, shows_type, topic_of};
 
-/// The number of bytes used to detect the kind of a capture. The file is named by them if it is none.
+/// The number of bytes used to detect the kind of a capture. They also identify files that aren't captures.
 const START: usize = foreign::START;
 
-/// The number of bytes that messages about unknown files contain.
+/// The number of bytes that a message about an unknown file shows.
 const SHOWN: usize = 8;
 
-/// The minimum number of magic bytes by which a capture can be identified if it is cut off within its magic.
+/// The minimum number of magic bytes that identify a capture truncated within its magic.
 const MIN_MAGIC: usize = 4;
 
 /// A kind of capture.
@@ -89,7 +89,7 @@ struct Kind {
     name: &'static str,
     /// True if a capture of this kind can start with these bytes.
     detect: fn(&[u8]) -> bool,
-    /// Finds the facts that show the release of a capture. Reads as much of the capture as necessary.
+    /// Finds the facts that indicate the release of a capture. Reads as much of the capture as necessary.
     clues: fn(&mut Source<'_>) -> Clues,
     /// Checks the readable part of a capture of this kind.
     check: fn(Source<'_>, Option<MessageId>, CheckRun<'_>) -> CaptureResult,
@@ -100,7 +100,7 @@ struct Source<'s> {
     bytes: &'s mut dyn Read,
     /// The file that consists of these bytes, if there is one. Some formats aren't read from start to end.
     file: Option<&'s Path>,
-    /// The copy at this path. It needs no name while it is open.
+    /// The copy of the file, if there is one. Its name can be removed while it is open.
     copy: Option<&'s bag::CopiedFile>,
 }
 
@@ -232,7 +232,7 @@ pub struct CaptureResult {
 }
 
 impl CaptureResult {
-    /// The result for a file of which nothing can be read.
+    /// The result for a file that can't be read at all.
     pub fn unknown(reason: impl Into<String>) -> Self {
         Self {
             summary: Summary::Unknown(UnknownSummary { reason: reason.into() }),
@@ -349,7 +349,7 @@ fn check_path_with(
     Ok(checked)
 }
 
-/// Checks a copy of a `SQLite` file, whose release only a file shows.
+/// Checks a copy of a `SQLite` file, since a stream doesn't indicate its release.
 fn check_copy(
     bytes: &mut dyn Read,
     library: &Library,
@@ -457,7 +457,7 @@ fn check_source(
     Ok(if is_text && message_id.is_none() { CaptureResult::unknown(unknown_type(&start)) } else { result })
 }
 
-/// Reads the bytes that show the kind of a capture.
+/// Reads the bytes that indicate the kind of a capture.
 fn read_start(input: &mut impl Read) -> io::Result<Vec<u8>> {
     let mut start = Vec::new();
     input.take(START as u64).read_to_end(&mut start)?;

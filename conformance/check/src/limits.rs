@@ -129,16 +129,16 @@ pub(crate) const MAX_CODES: usize = 256;
 
 // Conversions.
 
-/// The maximum total size of the schemas and channels in a file, in bytes. It includes the names of attachments and
-/// metadata records, which the index of the output contains. The limit also applies to the schemas in the output.
+/// The maximum total size of the schemas and channels in a file, in bytes. The size includes the names of attachments
+/// and metadata records, which the index of the output contains. The limit also applies to the schemas in the output.
 pub(crate) const MAX_CONVERTED_SCHEMAS: usize = 64 << 20;
 
-/// The size of the attachments that are kept in memory, in bytes. A larger one is stored in a temporary file, until it
-/// is complete.
+/// The maximum size of an attachment that is kept in memory, in bytes. A larger attachment is stored in a temporary
+/// file until it is complete.
 pub(crate) const MAX_ATTACHMENT: usize = 16 << 20;
 
 /// The maximum total size of the JSON messages that wait for a decision about their type, in bytes. The channel that
-/// exceeds it is copied.
+/// exceeds the limit is copied.
 pub(crate) const MAX_WAITING: usize = 16 << 20;
 
 /// The maximum number of topics of a converted log. A log has at most 8,192 formats, but hostile logs may subscribe to more

@@ -231,7 +231,10 @@ impl Metadata {
                 Sha256::digest(&self.bytes).iter().map(|byte| format!("{byte:02x}")).collect();
             if !stated.eq_ignore_ascii_case(found.as_bytes()) {
                 let stated = String::from_utf8_lossy(stated);
-                return Err(format!("its SHA-256 hash is {found}, but the log states {}", shown(&stated)));
+                return Err(format!(
+                    "its SHA-256 hash is {found}, but the hash in the log is {}",
+                    shown(&stated)
+                ));
             }
         }
         Ok(&self.bytes)
@@ -286,11 +289,12 @@ struct LogChecker<'d> {
     /// The number of fields for which there is still room in the plans.
     room: usize,
     /// The topics with data, each with the offset of its subscription and the comparison of its format. A log may
-    /// declare a format again after its data, so the result is that of the format when the data was read.
+    /// declare a format again after its data, so the result applies to the format that was valid when the data was
+    /// read.
     compared: BTreeMap<String, (u64, Comparison)>,
     /// The topics whose subscription has ended.
     parts: Parts,
-    /// The topics with other instances than the first.
+    /// The topics with instances other than the first.
     several: BTreeSet<String>,
     firmware: Option<String>,
     dropouts: u64,
@@ -375,7 +379,7 @@ impl<'d> LogChecker<'d> {
         let Some(place) = metadata.place else { return };
         let problem = self.run.read_metadata(metadata.checked());
         match problem {
-            // Behind a corrupt part, a piece may be missing.
+            // After a corrupt part, a piece may be missing.
             Some(text) if self.run.extent != Extent::Whole => self.run.note(&text),
             problem => {
                 self.run.findings.cover(&px4::EVT_01.rule, 1);
@@ -493,7 +497,7 @@ impl<'d> LogChecker<'d> {
         let detail = Detail::new(problem.to_string());
         let is_whole = self.run.extent == Extent::Whole;
         match problem {
-            // The size may be the end of the corrupt part.
+            // The corrupt part may include the size.
             LogProblem::DataSize { .. } if self.is_behind_gap => {
                 self.run.corruption(location, problem.to_string(), Extent::WithGaps);
                 self.run.lost_any(location);
@@ -657,7 +661,7 @@ fn formats(
     }
     for format in log.types().iter() {
         run.findings.cover(&px4::FMT_02.rule, 1);
-        // Its fields are unknown, or those of a format that it contains.
+        // The fields of the format, or of a format that it contains, are unknown.
         if format.defect().is_some() {
             continue;
         }
@@ -672,7 +676,7 @@ fn formats(
             run.findings.cover(&px4::FMT_01.rule, 1);
         }
         if let Comparison::Differs(differences) = comparison {
-            // The location doesn't depend on the instance whose data comes first.
+            // The location doesn't depend on which instance has data first.
             let location = Location::Byte(*opened.get(topic.as_str()).unwrap_or(offset));
             let definition = run.definition_of(topic);
             run.findings.report(&px4::FMT_01.rule, topic, location, definition, || differences.detail());

@@ -1,4 +1,4 @@
-//! Passes the records of a capture to other code than rules.
+//! Passes the records of a capture to code other than rules.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ pub trait Observer {
     /// Handles a new channel, and returns the observer's interest in it.
     fn opened(&mut self, channel: &Channel<'_>, definitions: &Definitions) -> Interest;
 
-    /// Handles a channel whose release is unknown. Its messages don't follow.
+    /// Handles a channel whose release is unknown. Its messages aren't passed on.
     fn undecided(&mut self, _channel: &Channel<'_>, _definitions: &Definitions) {}
 
     /// Receives the event metadata, before the messages that it applies to.
@@ -28,7 +28,7 @@ pub trait Observer {
         definitions: &Definitions,
     );
 
-    /// Receives a line of text in a log. The level is that of syslog, from 0 to 7.
+    /// Receives a line of text in a log. The level is a syslog level, from 0 to 7.
     fn text(&mut self, _level: u8, _text: &str, _time: u64) {}
 
     /// Receives a record of a session.

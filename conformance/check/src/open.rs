@@ -11,7 +11,7 @@ use uavspec_rules::definitions::{Definitions, Library};
 use super::log::ENCRYPTED_TEXT;
 use super::{KINDS, Reading, choose, read_start, unknown_type};
 
-/// A capture with the definitions of the release that it agrees with.
+/// A capture with the definitions of the release that it matches.
 pub struct Opened<'b> {
     /// The name of the format, such as `MCAP`.
     pub kind: &'static str,

@@ -81,7 +81,7 @@ mod tests {
             let mut taken = Vec::new();
             let (finished, changed) = (Mutex::new(0), Condvar::new());
             let square = |item: &u64| {
-                // The other threads finish an item each before the first one.
+                // The first item finishes only after each other thread has finished an item.
                 let others = if *item == 0 { jobs.min(items.len()) - 1 } else { 0 };
                 let finished = finished.lock().expect("no panic");
                 *changed.wait_while(finished, |finished| *finished < others).expect("no panic") += 1;
@@ -102,7 +102,7 @@ mod tests {
         let work = |item: &usize| {
             let mut finished = finished.lock().expect("no panic");
             if *item == 0 {
-                // The other threads finish as many items as they may: all before the first that must wait.
+                // The other threads finish all items before the first item that must wait.
                 let early = jobs.min(items.len()) * MAX_EARLY - 1;
                 finished = changed.wait_while(finished, |finished| *finished < early).expect("no panic");
                 max.store(*finished, Ordering::SeqCst);

@@ -30,7 +30,7 @@ pub struct ReleaseMatch {
 }
 
 impl ReleaseMatch {
-    /// The release that a topic was checked against, if it is one of the others.
+    /// The release that a topic was checked against, if the topic is in `others`.
     pub fn other_of(&self, topic: &str) -> Option<&str> {
         self.others.iter().find(|other| other.topic == topic).map(|other| other.release.as_str())
     }
@@ -115,7 +115,7 @@ pub(super) fn release_line(found: &ReleaseMatch) -> Line {
     Line::new("release", text).list("other", others)
 }
 
-/// A reader that keeps the bytes that it reads, up to a limit or an error. It then ends.
+/// A reader that keeps the bytes that it reads. It ends at a limit or at an error.
 pub(super) struct Ahead<'r> {
     input: UpToError<io::Take<&'r mut dyn Read>>,
     pub(super) bytes: Vec<u8>,

@@ -38,7 +38,7 @@ pub(super) struct CheckRun<'d> {
     pub(super) sessions: Sessions,
     pub(super) records: u64,
     pub(super) checked: u64,
-    /// The time at which logging began, in µs since boot, if the capture states it.
+    /// The time at which logging began, in µs since boot, if the capture contains it.
     start: Option<u64>,
     first: Option<u64>,
     last: u64,
@@ -59,7 +59,7 @@ pub(super) struct CheckRun<'d> {
     has_events: bool,
 }
 
-/// The facts that a bag states about a message.
+/// The facts in a bag about a message.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Logged {
     /// The time at which the message was recorded, in ns.
@@ -96,7 +96,7 @@ struct Subscribers {
 }
 
 impl Follower {
-    /// The checker, and what it needs.
+    /// The checker, and the context that it needs.
     fn parts<'c>(
         &'c mut self,
         definitions: &'c Definitions,
@@ -159,7 +159,8 @@ impl<'d> CheckRun<'d> {
         self.channels.len() - 1
     }
 
-    /// Uses the event metadata of the capture, unless there is a reason not to. Returns what is wrong with it.
+    /// Uses the event metadata of the capture, unless there is a reason not to. Returns the problem with the metadata,
+    /// if any.
     pub(super) fn read_metadata(&mut self, bytes: Result<&[u8], String>) -> Option<String> {
         let read =
             bytes.and_then(|bytes| EventMetadata::of_capture(bytes).map_err(|error| error.to_string()));
@@ -175,7 +176,7 @@ impl<'d> CheckRun<'d> {
         }
     }
 
-    /// Passes a line of text to the observer. The level is that of syslog, from 0 to 7.
+    /// Passes a line of text to the observer. The level is a syslog level, from 0 to 7.
     pub(super) fn text(&mut self, level: u8, text: &str, time: u64) {
         if let Some(observer) = &mut self.observer {
             observer.text(level, text, time);
@@ -230,9 +231,9 @@ impl<'d> CheckRun<'d> {
         self.channels[channel].observed == Interest::Values
     }
 
-    /// Passes a message to the rules of its channel. The message's values have already been checked. The observer may
-    /// receive other values than the rules: rules receive no values of messages whose size varies, of JSON messages with
-    /// findings, or of topics that were never published.
+    /// Passes a message to the rules of its channel. The message's values have already been checked. The observer can
+    /// receive values that the rules don't: rules receive no values of messages whose size varies, of JSON messages
+    /// with findings, or of topics that were never published.
     pub(super) fn message(
         &mut self,
         channel: &Channel<'_>,

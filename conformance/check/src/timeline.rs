@@ -6,8 +6,8 @@
 //!        definitions, translations
 //! ```
 //!
-//! The topics of the timeline, and the kinds of lanes that they make, are listed in `px4.rs` and `session.rs`. All other
-//! texts come from the definitions.
+//! The topics of the timeline, and the kinds of lanes that they produce, are listed in `px4.rs` and `session.rs`. All
+//! other texts come from the definitions.
 
 mod context;
 mod label;
@@ -177,7 +177,7 @@ impl Timeline {
     }
 }
 
-/// Makes the lanes from the records of a capture.
+/// Builds the lanes from the records of a capture.
 struct Follower<'t> {
     texts: &'t Texts,
     metadata: Arc<EventMetadata>,
@@ -186,7 +186,7 @@ struct Follower<'t> {
     session: Session,
     /// The names of the topics with readable messages.
     seen: BTreeSet<&'static str>,
-    /// The time of the latest record. Records without a time have the time of the record before.
+    /// The time of the latest record. A record without a time takes the time of the previous record.
     latest: u64,
     unreadable: u64,
 }

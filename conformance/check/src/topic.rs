@@ -26,8 +26,8 @@ pub fn topic_of(topic: &str) -> &str {
 /// Finds the definition of a topic from its name, and from the name and encoding of its schema.
 ///
 /// For ROS 2, only the schema name counts: a type from another package is a different type, even if the topic's name is
-/// defined. Only in PX4's folders, such as `/fmu/out/`, the name of the package may differ. For other encodings, schema
-/// names are arbitrary. If the schema name matches no definition, the topic name decides. It may be misleading: see
+/// defined. The package name may differ only in PX4's folders, such as `/fmu/out/`. For other encodings, schema names
+/// are arbitrary. If the schema name matches no definition, the topic name decides. It may be misleading: see
 /// `is_guess`.
 pub fn definition_of(
     topic: &str,
@@ -60,16 +60,17 @@ pub fn definition_of_json(
         .filter(|id| !is_guess(topic, schema, *id, definitions) || resembles(message, *id, definitions))
 }
 
-/// True if only the name of a topic or schema shows its definition, and another type may have this name.
+/// True if only the name of a topic or schema indicates its definition, and another type may have this name.
 ///
-/// Outside of PX4's folders, other programs also use names such as `battery_status`. Definitions that the user gave are
-/// those of the capture, so their names aren't ambiguous.
+/// Outside of PX4's folders, other programs also use names such as `battery_status`. Definitions that the user passes
+/// belong to the capture, so their names aren't ambiguous.
 pub fn is_guess(topic: &str, schema: Option<(&str, &str)>, id: MessageId, definitions: &Definitions) -> bool {
     let states_type = schema.is_some_and(|(name, _)| definitions.message_of_type(&plain(name)) == Some(id));
     !states_type && !is_exchanged(topic) && !definitions.is_given
 }
 
-/// True if a JSON message clearly has a type: it has a timestamp, and most of its keys are most of the type's fields.
+/// True if a JSON message clearly has a type: it has a timestamp, and it shares most of its keys and most of the type's
+/// fields.
 fn resembles(message: &Tree<'_>, id: MessageId, definitions: &Definitions) -> bool {
     let Tree::Object(members) = message else { return false };
     let keys: BTreeSet<&str> = members.iter().map(|(key, _)| &**key).collect();
@@ -78,12 +79,12 @@ fn resembles(message: &Tree<'_>, id: MessageId, definitions: &Definitions) -> bo
     keys.contains("timestamp") && shared * 2 > keys.len().max(fields.len())
 }
 
-/// True if a JSON message has keys. Other messages don't show their type.
+/// True if a JSON message isn't empty. Empty messages don't indicate their type.
 pub fn shows_type(message: &Tree<'_>) -> bool {
     matches!(message, Tree::Object(members) if !members.is_empty())
 }
 
-/// True if a JSON message confirms a guess, false if it refutes the guess. `None` if the message has no keys.
+/// True if a JSON message confirms a guess, false if it refutes the guess. `None` if the message is empty.
 pub fn confirms(message: &Tree<'_>, id: MessageId, definitions: &Definitions) -> Option<bool> {
     shows_type(message).then(|| resembles(message, id, definitions))
 }

@@ -23,7 +23,7 @@ fn status(definitions: &Definitions) -> ApplicationType {
     ApplicationType::new(&definitions.schema, definitions.schema.message(id))
 }
 
-/// A flight of 1.18 whose vehicle states its hash of the vehicle status.
+/// A flight of 1.18 whose vehicle reports its hash of the vehicle status.
 fn bag(application: ApplicationType) -> Bag {
     let mut flight = Flight::new(&DEFINITIONS);
     // Two rounds are sufficient.
@@ -70,7 +70,7 @@ fn another_definition_is_found_with_its_release_and_its_effect() {
     assert_eq!(found.len(), 1);
     let (subject, message) = &found[0];
     assert_eq!(subject, TOPIC);
-    let start = "VehicleStatus: the application has that of px4@1.15, but the vehicle has that of px4@1.18 to \
+    let start = "VehicleStatus: the application uses the definition of px4@1.15, but the vehicle uses the definition of px4@1.18 to \
                  px4@main: missing fields: accepts_offboard_setpoints (bool), ";
     assert!(message.starts_with(start), "{message}");
     assert!(message.ends_with(". The values from `valid_nav_states_mask` on are garbage"), "{message}");
@@ -80,7 +80,7 @@ fn another_definition_is_found_with_its_release_and_its_effect() {
 fn unknown_definitions_are_named() {
     let own = ApplicationType { hash: 7, fields: "uint64 timestamp\n".to_owned(), ..status(&DEFINITIONS) };
     let found = found(&bag(own));
-    assert!(found[0].1.contains("the application has a definition of no known release, but"), "{found:?}");
+    assert!(found[0].1.contains("the application uses a definition of no known release, but"), "{found:?}");
 }
 
 #[test]

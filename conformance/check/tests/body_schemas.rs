@@ -130,7 +130,7 @@ fn found(direction: Direction, body: &Value) -> BTreeMap<&'static str, BTreeSet<
 #[test]
 fn reports_each_deviation_once() {
     let (mut own, mut rest, mut number) = (0, 0, 0_usize);
-    // The quick step leads to each kind of change.
+    // Even the larger step of quick mode covers each kind of change.
     let step = extent(1, 37);
     let typical = VECTORS.iter().filter(|vector| vector.description.starts_with("typical"));
     for Vector { type_name, direction, body, .. } in typical {

@@ -599,7 +599,7 @@ fn counts_equal_findings() {
 fn real_logs_have_the_known_results() {
     let (Some(logs), Some(corpus)) = (shared("corpus/ulog"), shared("corpus/px4")) else { return };
     let mut odd = 0;
-    // Only the newest of these states a range that the logs violate.
+    // Only the newest of these releases has a range that the logs violate.
     for release in extent(&["1.15", "1.16", "main"][..], &["main"]) {
         let definitions = Definitions::load(&corpus.join(release)).expect("definitions");
         for entry in fs::read_dir(&logs).expect("a folder") {

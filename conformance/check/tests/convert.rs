@@ -236,7 +236,7 @@ fn unconverted_messages_are_kept_on_request() {
     assert_eq!(checked(&output).result.records, bag.messages.len() as u64);
 }
 
-/// Custom firmware: its type has the name of a PX4 message, but other fields.
+/// Custom firmware: its type has the name of a PX4 message, but different fields.
 #[test]
 fn types_that_no_release_defines_are_left_out() {
     let mut bag = flight("px4@1.17");

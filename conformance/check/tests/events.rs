@@ -351,7 +351,7 @@ fn an_attachment_of_a_bag_explains_the_events_that_follow() {
     let long = [METADATA.as_bytes(), &vec![b' '; 1 << 20]].concat();
     for (name, data, is_first, expected, note) in [
         ("all_events.json", METADATA.as_bytes(), true, &capture, None),
-        // The content decides about the compression.
+        // The compression is detected from the content.
         ("all_events.json.xz", METADATA.as_bytes(), true, &capture, None),
         ("events.json", METADATA.as_bytes(), true, &built_in, None),
         ("all_events.json", METADATA.as_bytes(), false, &built_in, Some("it follows the first message")),

@@ -179,7 +179,7 @@ fn reports_only_lost_answers() {
         "7",
         "{\"dir\":\"up\",\"msg\":{}}",
     ];
-    // The quick step leads to each kind of junk.
+    // Even the larger step of quick mode covers each kind of junk.
     for (at, junk) in (1..lines.len()).zip(junk.into_iter().cycle()).step_by(extent(1, 15)) {
         let mut lines = lines.clone();
         lines[at] = junk.to_owned();
@@ -315,7 +315,7 @@ fn checks_results_against_the_command_of_the_receipt() {
     assert_eq!(violated_by(&session), [("FW-ASY-09", 1), ("FW-ASY-22", 1)]);
 }
 
-/// With a shared receipt, a result may be that of any of the operations.
+/// With a shared receipt, a result may belong to any of the operations.
 #[test]
 fn does_not_check_results_of_a_receipt_of_several_types() {
     let mut session = Session::opened();

@@ -115,8 +115,8 @@ fn conforming_json_has_no_violations_and_covers_its_rules() {
     let ids = RULES.iter().map(|rule| rule.id);
     let talk: Vec<&str> = ids.filter(|id| id.starts_with("PX-EVT-") || id.starts_with("PX-EXT-")).collect();
     let formats = ["PX-FMT-01", "PX-FMT-02", "PX-FMT-03"];
-    // There are no events, no external component communicates, no type has a version suffix, and there are no publishers and subscribers. The
-    // messages of a type may be those of several instances.
+    // There are no events, no external component communicates, no type has a version suffix, and there are no
+    // publishers and subscribers. The messages of a type may belong to several instances.
     let others =
         ["PX-FSF-03", "PX-HASH-01", "PX-HASH-02", "PX-QOS-01", "PX-TIME-01", "PX-TYPE-01", "PX-VER-01"];
     assert_eq!(idle, [&data[..], &talk, &formats, &others].concat());
@@ -158,7 +158,7 @@ fn mutants() -> Vec<(&'static str, String, &'static str)> {
         (
             "PX-JSON-01",
             with(|fields| _ = fields.insert("tow".into(), 1.into())),
-            "px4/Glider.tow: Glider has no such field; found 1",
+            "px4/Glider.tow: Glider has no such field, but the message contains 1",
         ),
         (
             "PX-JSON-01",

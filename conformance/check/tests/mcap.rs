@@ -218,7 +218,7 @@ fn conforming_files_have_no_findings_in_any_form() {
     let ids = RULES.iter().map(|rule| rule.id);
     let talk: Vec<&str> = ids.filter(|id| id.starts_with("PX-EVT-") || id.starts_with("PX-EXT-")).collect();
     let others = ["PX-FMT-02", "PX-FSF-03", "PX-HASH-02", "PX-JSON-01", "PX-JSON-02"];
-    // The file states no publishers and subscribers.
+    // The file contains no publishers and subscribers.
     let live = ["PX-QOS-01", "PX-TYPE-01", "PX-VER-01"];
     assert_eq!(idle, [&data[..], &talk, &others, &live].concat());
 }
@@ -313,7 +313,7 @@ fn ignores_unknown_fields_at_the_end_of_records() {
         let (bytes, kinds) = extended(&other_writers_file(use_chunks, false, false));
         extended_kinds.extend(kinds);
         let mut result = checked(&bytes);
-        // The checksum, the start and the indexes in the summary are those of the original file.
+        // The checksum, the start and the indexes in the summary come from the original file.
         result.corruption.retain(|(_, text)| !text.contains("summary") && !text.contains("the index of the"));
         assert_conforms(&result, &use_chunks);
     }
@@ -443,7 +443,7 @@ fn a_violation_has_a_message_and_a_location() {
     }
 }
 
-/// Checks messages with these times of recording and timestamps, in periods. Returns the violated rules, and how often the
+/// Checks messages with these recording times and timestamps, in periods. Returns the violated rules, and how often the
 /// two rules on times were covered.
 fn check_times(times: impl IntoIterator<Item = (u64, u64)>) -> (Vec<&'static str>, [u64; 2]) {
     let logged = |time: u64| 1_000 * (1_000_000 + time * PERIOD);

@@ -156,7 +156,7 @@ fn json_messages_of_each_release_are_checked_against_it() {
     }
 }
 
-/// If few topics show the release, the lengths of arrays and the keys of nested messages show the definition.
+/// If few topics indicate the release, the lengths of arrays and the keys of nested messages determine the definition.
 #[test]
 fn json_messages_are_checked_against_a_definition_of_their_form() {
     let cases = [
@@ -225,7 +225,7 @@ fn names_of_json_topics_outside_of_px4_need_the_keys_of_the_type() {
     }
 }
 
-/// The first message with keys decides, and shows the release. Earlier messages aren't checked.
+/// The first non-empty message decides, and indicates the release. Earlier messages aren't checked.
 #[test]
 fn json_messages_without_keys_decide_nothing() {
     let (of_px4, other) = (&battery_status("1.14"), &json!({"voltage": 12.1}));

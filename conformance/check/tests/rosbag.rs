@@ -26,7 +26,7 @@ use uavspec_test_support::{extent, shared};
 /// The built-in definitions, which apply to all captures.
 static FIXED: LazyLock<Library> = LazyLock::new(|| Library::fixed(Definitions::built_in()));
 
-/// The definitions of the release that a capture agrees with.
+/// The definitions of the release that a capture matches.
 static LIBRARY: LazyLock<Library> = LazyLock::new(Library::built_in);
 
 /// Checks a file or a folder against the built-in definitions.
@@ -93,7 +93,7 @@ fn flight() -> Content {
     FLIGHT.clone()
 }
 
-/// The recording of a flight with the topics of a release; in quick mode, of its start.
+/// The recording of a flight with the topics of a release; in quick mode, the recording of its start.
 fn flight_of_release() -> Content {
     static FLIGHT: LazyLock<Content> = LazyLock::new(|| {
         let release = Library::load(Path::new("px4@1.14"), None).expect("a release");
@@ -107,7 +107,7 @@ fn flight_of_release() -> Content {
 #[test]
 fn sqlite_files_have_the_findings_of_mcap_files() {
     let flight = Flight::new(FIXED.base());
-    // SQLite files state neither applications nor publishers and subscribers.
+    // SQLite files contain neither applications nor publishers and subscribers.
     let is_on_messages =
         |mutant: &Mutant| !["PX-HASH-02", "PX-QOS-01", "PX-TYPE-01"].contains(&mutant.rule.id);
     let mutated = mutants().filter(|mutant| !mutant.rule.is_on_flockwave() && is_on_messages(mutant));
@@ -260,7 +260,7 @@ fn real_recordings_have_the_same_findings_in_both_formats() {
             (false, true) => bags.join("mcap").join(&below),
             (false, false) => continue,
         };
-        // This SQLite file states an encoding that contradicts its metadata.
+        // This SQLite file contains an encoding that contradicts its metadata.
         if is_file && name.starts_with("wrong_rmw_test") {
             continue;
         }
@@ -285,7 +285,7 @@ fn real_recordings_have_the_same_findings_in_both_formats() {
     assert!(num_checked > extent(15_000, 3_000), "{num_checked}");
 }
 
-/// Humble writes neither definitions nor hashes into `SQLite` files, so the sizes of the messages show the release.
+/// Humble writes neither definitions nor hashes into `SQLite` files, so the sizes of the messages indicate the release.
 #[test]
 fn bags_without_hashes_are_checked_against_the_release_with_their_sizes() {
     let mut content = flight_of_release();
@@ -343,7 +343,7 @@ fn topics_without_a_hash_have_the_definition_of_their_type() {
     assert_eq!(facts(&found), facts(&expected));
     let is_compared = |status: &CheckStatus| matches!(status, CheckStatus::Checked(Basis::Compared(_)));
     assert!(summary(&found).channels.iter().any(|channel| is_compared(&channel.status)));
-    // A definition whose text lacks its hash shows nothing, neither the fields nor the release.
+    // A definition whose text doesn't match its hash shows neither the fields nor the release.
     for [_, _, text, _] in &mut content.definitions {
         text.insert_str(0, "uint8 added_by_the_club\n");
     }

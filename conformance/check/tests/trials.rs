@@ -564,7 +564,7 @@ fn checks_ports_of_the_transport_in_use() {
     }
     let wrong = listed("udp#2", json!({ "tcp": 7001, "udp": 7001 }));
     assert_eq!(violated_by(&wrong), [("FW-SYS-PORTS-02", 1)]);
-    // Only the start of a connection states the port.
+    // Only the start of a connection contains the port.
     let mut paused = listed("tcp#2", json!({ "tcp": 9 }));
     paused
         .lines

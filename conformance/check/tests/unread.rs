@@ -1,4 +1,4 @@
-//! Tests that nothing conforms that wasn't read: a changed bit may only hide data if the outcome says so.
+//! Tests that unread data never counts as conforming: if a changed bit hides data, the outcome says so.
 
 use std::collections::BTreeMap;
 use std::fs;

@@ -64,13 +64,13 @@ struct State {
     is_whole: bool,
     /// The sent data whose id is unknown. A later answer may refer to it.
     unknown: Unknown,
-    /// The number of messages without a readable id that a message without `refs` may still answer. Text that can't be
-    /// read may contain any number of messages, and a capture may lack any number, so both set this number to the
+    /// The number of messages without a readable id that a message without `refs` may still answer. Unreadable text may
+    /// contain any number of messages, and a capture may lack any number. Both therefore set this number to the
     /// maximum.
     num_without_id: u64,
     /// The id of the latest request, if it has one.
     latest_request: Option<String>,
-    /// The ids of the first such messages that are not strings, as JSON.
+    /// The ids of the first messages whose id isn't a string, as JSON.
     odd_ids: Vec<String>,
     /// The latest time.
     latest: f64,
@@ -230,7 +230,7 @@ impl Sessions {
         self.states[connection] = State { serial, is_whole: true, ..State::default() };
     }
 
-    /// Handles the failure of the latest request over HTTP. Each request over HTTP fails on its own.
+    /// Handles the failure of the latest request over HTTP. HTTP requests fail independently of each other.
     pub fn failed(&mut self, connection: usize, why: Option<&str>) {
         let Some(state) = self.states.get(connection) else { return };
         let Some(id) = &state.latest_request else { return };

@@ -99,8 +99,8 @@ fn topics(choices: &mut Choices<'_>, unit: &str, encodings: &mut BTreeMap<String
     if count == 0 { text + " []" } else { text }
 }
 
-/// Writes metadata in the styles that the bytes select, and reads it. The last two bytes change the text: then, nothing may
-/// be read that isn't in it.
+/// Writes metadata in the styles that the bytes select, and reads it. The last two bytes can change the text. The
+/// result must not contain anything that isn't in the text.
 pub(super) fn grammar(data: &[u8]) {
     let (text, expected) = written(data);
     let read = Metadata::parse(text.as_bytes()).unwrap_or_else(|| panic!("unreadable: {text}"));

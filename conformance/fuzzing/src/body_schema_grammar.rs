@@ -1,4 +1,4 @@
-//! JSON Schemas of users that follow the grammar. Random bytes would rarely be a schema.
+//! User-supplied JSON Schemas that follow the grammar. Random bytes would rarely be a schema.
 
 use jsonschema::Draft;
 use serde_json::{Map, Value, json};
@@ -17,7 +17,7 @@ enum Form {
     Schema,
     /// A list of schemas.
     List,
-    /// An object of schemas.
+    /// An object whose values are schemas.
     Map,
     /// One of these JSON texts.
     Data(&'static [&'static str]),

@@ -122,7 +122,7 @@ fn rendered(result: CaptureResult) -> (String, String) {
     (json, text)
 }
 
-/// Decompresses an input, as a whole and in pieces. Reading may fail, but not in one of both cases only.
+/// Decompresses an input, as a whole and in pieces. Either both readings succeed, or both fail.
 pub(super) fn compressed(data: &[u8]) {
     let read = |input: Box<dyn std::io::Read + Send>| {
         let (input, is_unchanged) = input::decompressed(input).ok()?;

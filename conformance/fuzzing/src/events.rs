@@ -10,8 +10,7 @@ use uavspec_test_support::{Writer, xz};
 /// The maximum length of a text that is shown, in bytes: 4 KiB and an ellipsis.
 const MAX_TEXT: usize = (4 << 10) + 3;
 
-/// Reads event metadata, and decodes each event with the same arguments, which are the first bytes. The texts must be
-/// short.
+/// Reads event metadata, and decodes each event with the first bytes as its arguments. The texts must be short.
 pub(super) fn metadata(data: &[u8]) {
     let (arguments, data) = data.split_at(data.len().min(MAX_ARGUMENTS_SIZE));
     let Ok((metadata, _)) = EventMetadata::of_capture(data) else { return };
@@ -45,7 +44,7 @@ const METADATA: &[u8] = br#"{"version": 2, "components": {"0": {"namespace": "co
     "message": "{1} {2:.1m\/s}<profile name=\"dev\"> \\< {9}<\/profile>", "description": "<a href=\"x\">{1}<\/a>",
     "arguments": [{"name": "side", "type": "side_t"}, {"name": "speed", "type": "float"}]}}}}}}}"#;
 
-/// Event metadata after arguments.
+/// Arguments, followed by event metadata.
 pub(super) fn seeds() -> Vec<Vec<u8>> {
     let texts = [PX4_EVENTS.to_vec(), xz(PX4_EVENTS), METADATA.to_vec(), xz(METADATA)];
     texts.map(|text| [&[3; MAX_ARGUMENTS_SIZE][..], &text].concat()).to_vec()

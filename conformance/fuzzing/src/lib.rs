@@ -95,7 +95,7 @@ static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in)
 /// The definitions of all releases.
 static LIBRARY: LazyLock<Library> = LazyLock::new(Library::built_in);
 
-/// Choices that bytes make. Without bytes, the first option is chosen.
+/// Choices that depend on bytes. Without bytes, the first option is chosen.
 struct Choices<'b>(std::slice::Iter<'b, u8>);
 
 impl<'b> Choices<'b> {
@@ -147,7 +147,7 @@ mod tests {
     /// Each target accepts its seeds, and changed seeds.
     #[test]
     fn the_properties_of_each_input_hold_for_seeds_and_mutants() {
-        // The quick step omits the conversion, which takes long to prepare.
+        // The step of quick mode omits the conversion, which takes long to prepare.
         for target in TARGETS.iter().skip(extent(0, 1)).step_by(extent(1, 3)) {
             let seeds = (target.seeds)();
             assert!(!seeds.is_empty(), "{} has no seeds", target.name);

@@ -1,4 +1,4 @@
-//! The target for JSON Schemas of users.
+//! The target for user-supplied JSON Schemas.
 
 use std::fs;
 
@@ -20,7 +20,7 @@ pub(super) const BODIES: [&str; 4] = [
     "[\"\\u0000\u{202e}\"]",
 ];
 
-/// Loads a schema, and checks bodies with it. A schema that can't be used has a message.
+/// Loads a schema, and checks bodies with it. A schema that can't be used must have an error message.
 pub(super) fn body_schema(data: &[u8]) {
     let Some(schemas) = loaded(data) else { return };
     for body in BODIES {

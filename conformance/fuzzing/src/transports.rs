@@ -106,7 +106,7 @@ pub(super) fn socket_io(data: &[u8]) {
     }
 }
 
-/// Parses a packet. A Flockwave message must be JSON, and must survive a new packet.
+/// Parses a packet. A Flockwave message must be JSON, and must stay the same in a new packet.
 fn packet(text: &str) {
     let Some(packet) = Packet::parse(text) else { return };
     assert_eq!(packet.to_text(), text);

@@ -176,7 +176,7 @@ pub enum Event {
 pub struct Received {
     /// The topic.
     pub topic: Topic,
-    /// The schema of the type, if the bus states it.
+    /// The schema of the type, if the bus announces it.
     pub schema: Option<Arc<Schema>>,
     /// The encoding of the payload.
     pub encoding: Encoding,
@@ -189,7 +189,7 @@ pub struct Received {
 }
 
 impl Received {
-    /// A message of another program, on a bus that states no schema.
+    /// A message of another program, on a bus that announces no schema.
     pub(crate) fn new(topic: Topic, encoding: Encoding, time: u64, payload: Vec<u8>) -> Self {
         Self { topic, schema: None, encoding, time, payload, is_own: false }
     }

@@ -1,4 +1,4 @@
-//! Live vehicles and servers: the messages of a [bus] enter, and a recorded bag, findings and [displays](watch) leave. A
+//! Live vehicles and servers. Input: the messages of a [bus]. Output: a recorded bag, findings and [displays](watch). A
 //! program can also take a [role](vehicle) in PX4's arming checks.
 //!
 //! ```

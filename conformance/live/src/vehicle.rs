@@ -58,7 +58,7 @@ const START: Duration = Duration::from_millis(1_500);
 /// The maximum time until the probe or a reference notices that it was asked to stop.
 const NOTICE_TIME: Duration = Duration::from_millis(50);
 
-/// The maximum number of notes. Further ones are only counted.
+/// The maximum number of notes. Further notes are only counted.
 const MAX_NOTES: usize = 50;
 
 /// Options of a probe.
@@ -71,7 +71,8 @@ pub struct Options {
     pub role: Option<Side>,
     /// The namespace of the vehicle, for the roles. `None` if there is only one vehicle.
     pub namespace: Option<Namespace>,
-    /// The types of an application that are compared with those of the flight controller, if there is one.
+    /// The types of an application that are compared with the types of the flight controller, if there is an
+    /// application.
     pub application: Option<Vec<ApplicationType>>,
     /// The file of the recording.
     pub record: Option<PathBuf>,
@@ -150,11 +151,11 @@ pub fn probe(
     }
 }
 
-/// Passes the messages of a bus to an observer, and its events to a function. Returns the reason why the connection ended,
-/// if it ended before the time.
+/// Passes the messages of a bus to an observer, and its events to a function. Returns the reason why the connection
+/// ended, if it ended early.
 ///
 /// # Errors
-/// Fails if the temporary file, which shows the release, can't be written or read.
+/// Fails if the temporary file, which indicates the release, can't be written or read.
 pub(crate) fn observe(
     bus: &mut dyn Bus,
     library: &Library,
@@ -165,7 +166,7 @@ pub(crate) fn observe(
     let (path, temporary) = recording(options)?;
     let mut chosen = None;
     let mut probe = Probe::new(bus, options, Recorder::create(&path, library.events())?, &|_| {}, on_event);
-    // Without messages, nothing shows the release.
+    // Without messages, nothing indicates the release.
     while probe.progress.messages == 0 && probe.cut_short.is_none() && probe.elapsed() < options.time {
         probe.listen(options.time.min(probe.elapsed() + START))?;
     }

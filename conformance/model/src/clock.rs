@@ -1,7 +1,7 @@
 //! The time by which everything waits: real time for users, and simulated time for tests and for the self-test.
 //!
-//! Simulated time takes no real time, and the same threads always do the same at the same simulated time, however slow
-//! the computer is: one of them runs at a time, and time passes only when all wait.
+//! Simulated time takes no real time, and results don't depend on the speed of the computer: one thread runs at a time,
+//! and time passes only when all threads wait.
 //!
 //! ```
 //! # use std::time::Duration;
@@ -36,14 +36,14 @@ impl Clock {
         Self(None)
     }
 
-    /// A clock whose time passes only while its threads wait. Each call returns a separate time, and the calling thread
-    /// is the first that waits by it.
+    /// A clock whose time passes only while its threads wait. Each call returns a separate time, which the calling
+    /// thread is the first to use.
     #[must_use]
     pub fn simulated() -> Self {
         Self(Some(Arc::new(Participant::first())))
     }
 
-    /// The time. Any thread may ask for it.
+    /// The time. Any thread can call this.
     #[must_use]
     pub fn now(&self) -> Instant {
         self.0.as_ref().map_or_else(Instant::now, |participant| participant.now())
@@ -77,8 +77,9 @@ impl Clock {
         }
     }
 
-    /// Calls a function repeatedly until it returns a value; `None` if the time is over first. In real time, `interval` is
-    /// the pause between calls. In simulated time, the function is called when another thread may have changed something.
+    /// Calls a function repeatedly until it returns a value; `None` if the time limit is reached first. In real time,
+    /// `interval` is the pause between calls. In simulated time, the function is called when another thread may have
+    /// changed something.
     pub fn poll<T>(
         &self,
         until: Instant,
@@ -159,7 +160,7 @@ impl Clock {
 #[derive(Debug)]
 pub struct Task<'s, T> {
     thread: Option<ScopedJoinHandle<'s, T>>,
-    /// The thread that spawned it, and its number in the simulation.
+    /// The spawning thread, and the number of the spawned thread in the simulation.
     simulated: Option<(Arc<Participant>, usize)>,
 }
 

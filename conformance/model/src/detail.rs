@@ -39,7 +39,8 @@ pub struct Detail {
     pub request: String,
     /// The rule or the message type whose requests show the finding again in a probe; may be empty.
     pub only: String,
-    /// True if the specification contradicts itself about this case. False if it does so about all cases of the rule.
+    /// True if the specification contradicts itself about this case. False if the contradiction concerns all cases of
+    /// the rule.
     pub is_disputed: bool,
 }
 

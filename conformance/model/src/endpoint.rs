@@ -12,7 +12,7 @@ pub struct Endpoint {
     pub id: String,
     /// The kind.
     pub kind: EndpointKind,
-    /// The node or participant, if it states its name.
+    /// The node or participant, if it announces its name.
     pub node: Option<String>,
     /// The topic, with its ROS name.
     pub topic: String,
@@ -22,8 +22,8 @@ pub struct Endpoint {
     pub type_hash: Option<String>,
     /// The quality of service, if it is announced.
     pub qos: Option<Qos>,
-    /// True if a publisher and a subscriber exchange messages only if their quality of service is compatible. So it is
-    /// in DDS. `rmw_zenoh` ignores differences.
+    /// True if a publisher and a subscriber exchange messages only if their quality of service is compatible. This is
+    /// the case in DDS. `rmw_zenoh` ignores differences.
     pub is_matched_by_qos: bool,
 }
 

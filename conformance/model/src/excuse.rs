@@ -37,9 +37,9 @@ impl fmt::Display for Excuse {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ExcuseKind {
-    /// It always fails.
+    /// The failure always occurs.
     Known,
-    /// It fails sometimes.
+    /// The failure occurs sometimes.
     Flaky,
 }
 

@@ -191,7 +191,8 @@ impl Findings {
 
     /// Counts a violation of a rule in `subject`. Returns `None` if its details are not needed.
     ///
-    /// The compiler copies `report` for each of its many callers, so all that doesn't depend on the caller is here.
+    /// The compiler copies `report` for each of its many callers, so all code that doesn't depend on the caller is
+    /// here.
     pub fn count_violation(
         &mut self,
         rule: &'static Rule,
@@ -295,8 +296,8 @@ impl Findings {
         self.incomplete.clear();
     }
 
-    /// Completes the details of the findings in a record that has just been checked. Findings in earlier records stay
-    /// as they are.
+    /// Completes the details of the findings in a record that has just been checked. Findings in earlier records are
+    /// unchanged.
     #[inline]
     pub fn complete(&mut self, location: Location, complete: impl Fn(&mut Detail)) {
         if !self.incomplete.is_empty() {
@@ -454,7 +455,7 @@ mod tests {
         findings.groups().flat_map(Group::messages).collect()
     }
 
-    /// Texts are made for a limited number of findings.
+    /// Texts are created for a limited number of findings.
     #[test]
     fn findings_of_a_settled_group_are_only_counted() {
         let rule = &RULES[0];

@@ -16,7 +16,7 @@ pub(crate) const MAX_LATEST: usize = 10_000;
 
 // JSON.
 
-/// The maximum nesting depth, equal to that of `serde_json`.
+/// The maximum nesting depth, equal to the limit of `serde_json`.
 pub(crate) const MAX_DEPTH: usize = 127;
 
 /// The maximum number of values in a tree. Each value takes dozens of times as much memory as its text.

@@ -70,7 +70,7 @@ pub struct Channel<'c> {
     pub multi_id: Option<u8>,
     /// The definition of the messages, if known.
     pub definition: Option<MessageId>,
-    /// The version of the messages, if the capture states it. Otherwise, the definition's version applies.
+    /// The version of the messages, if the capture contains it. Otherwise, the definition's version applies.
     pub version: Option<u32>,
     /// The location where the channel was opened.
     pub location: Location,

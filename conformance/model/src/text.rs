@@ -16,7 +16,7 @@ pub use self::secrets::{
 };
 pub use self::wrap::wrapped;
 
-/// Bytes as text. The error says where the text isn't valid UTF-8.
+/// Bytes as text. The error contains the location of the invalid UTF-8.
 pub fn utf8(bytes: &[u8]) -> Result<&str, String> {
     std::str::from_utf8(bytes).map_err(|error| format!("invalid UTF-8 at byte {}", error.valid_up_to()))
 }

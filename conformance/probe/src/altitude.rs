@@ -12,7 +12,7 @@ use super::commanded::has_code;
 pub(super) const AIRBORNE: i64 = 1_500;
 const LANDED: i64 = 700;
 
-/// The time for which a UAV must be still, and the change of its altitude in mm, below which it is.
+/// The time for which a UAV must be still, and the change in altitude, in mm, below which a UAV counts as still.
 const STILL_TIME: Duration = Duration::from_secs(2);
 const STILL: u64 = 200;
 
@@ -95,7 +95,7 @@ impl Descent {
 /// reporting, isn't known to be on the ground.
 #[derive(Debug, Default)]
 pub(super) struct Touchdown {
-    /// The first of the states near the ground between which the UAV was still.
+    /// The first state near the ground since which the UAV has been still.
     since: Option<(Instant, i64, Value)>,
 }
 
@@ -165,7 +165,7 @@ mod tests {
     #[test]
     fn a_uav_that_is_still_near_the_ground_has_landed() {
         assert_eq!(last(&[(0, json!(3_050), 1), (1, json!(3_150), 2), (2, json!(3_000), 3)]), Ok(()));
-        // The altitude may drop below that at takeoff.
+        // The altitude may drop below the altitude at takeoff.
         assert_eq!(last(&[(0, json!(9_000), 1), (5, json!(2_900), 5), (7, json!(2_950), 7)]), Ok(()));
     }
 

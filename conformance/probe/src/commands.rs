@@ -248,7 +248,7 @@ impl Probe<'_, '_> {
         if !self.is_safe() {
             return;
         }
-        // A UAV that was shut down may not restart.
+        // A UAV that was shut down might not restart.
         for kind in ["UAV-RST", "UAV-HALT"] {
             self.operate(&env_07::RULE, json!({ "type": kind, "ids": with_unknown_id(uavs) }));
         }

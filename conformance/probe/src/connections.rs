@@ -22,7 +22,7 @@ const RESTART_TIMEOUTS: u32 = 2;
 /// The number of times that a server may stop serving before the probe ends.
 const MAX_STOPS: u32 = 3;
 
-/// The same number if a command restarts the server.
+/// The number of times that a server may stop serving if a command restarts it.
 const MAX_RESTARTS: u32 = 200;
 
 /// The minimum time to wait until a command has restarted the server.
@@ -43,7 +43,7 @@ impl Probe<'_, '_> {
         let endpoint = endpoint.unwrap_or(self.endpoint);
         let until = self.clock.now() + CONNECT_TIMEOUT;
         let timeout = self.options.timeout;
-        // Over HTTP, each request has the time limit.
+        // Over HTTP, the time limit applies to each request.
         let limit = if matches!(endpoint, Endpoint::Http { .. }) { timeout } else { CONNECT_TIMEOUT };
         self.connections += 1;
         loop {
@@ -337,7 +337,7 @@ impl Probe<'_, '_> {
                 self.session = Some(session);
                 self.log_in();
                 let is_served = self.post(&json!({ "type": "SYS-VER" }), trial, patience).is_some();
-                // The system reports if no server listens on the port of datagrams.
+                // The system reports a UDP port without a server.
                 self.is_refused |= !is_served && self.session.as_ref().is_some_and(Session::is_over);
                 is_served
             }

@@ -1,8 +1,8 @@
 //! Makes UAVs safe: undoes each command that a probe has sent, until the [evidence](super::undoing) shows that it is undone.
 //!
-//! This happens after each step that changes UAVs, and at the end of the survey, whatever ended it: the time limit, a
-//! lost connection, a request to [stop](super::stop) or a panic. The probe connects again as often as necessary, until
-//! all UAVs are safe or the time limit for landing is reached.
+//! This happens after each step that changes UAVs, and at the end of the survey, regardless of the cause of its end:
+//! the time limit, a lost connection, a request to [stop](super::stop) or a panic. The probe connects again as often as
+//! necessary, until all UAVs are safe or the time limit for landing is reached.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
@@ -28,8 +28,8 @@ const WARNING_INTERVAL: Duration = Duration::from_secs(10);
 type Attempts = BTreeMap<(Effect, String), Undoing>;
 
 impl Probe<'_, '_> {
-    /// Undoes all commands, whatever the user selected, and even if the probe must stop or its time limit is reached.
-    /// Afterwards, [`Commanded`](super::commanded::Commanded) contains the UAVs that aren't known to be safe.
+    /// Undoes all commands, regardless of the user's selection, and even if the probe must stop or its time limit is
+    /// reached. Afterwards, [`Commanded`](super::commanded::Commanded) contains the UAVs that aren't known to be safe.
     pub(super) fn make_safe(&mut self) {
         if self.is_safe() {
             return;
@@ -62,8 +62,8 @@ impl Probe<'_, '_> {
         }
     }
 
-    /// Cancels the calibrations and tests that haven't ended, after the survey ended early. They end by themselves if
-    /// the request is lost.
+    /// Cancels the calibrations and tests that haven't ended, after the survey ended early. Operations end by
+    /// themselves if the request is lost.
     pub(super) fn cancel_operations(&mut self) {
         let receipts = self.stop.commanded().take_operations();
         if receipts.is_empty() {
@@ -146,7 +146,7 @@ impl Probe<'_, '_> {
         attempts: &mut Attempts,
         connection: &str,
     ) -> bool {
-        // The states show whether a UAV lands. Without an answer, they are more urgent.
+        // The states show whether a UAV lands. Without an answer, the states are more urgent.
         let limit = if effect == Effect::Airborne { self.pace() } else { ANSWER_TIMEOUT };
         let answer = self.post(&effect.undo(uavs), Some(plain()), self.patience().min(limit));
         self.coverage.sent(effect.undo_type(), answer.as_ref());
@@ -162,7 +162,7 @@ impl Probe<'_, '_> {
         answer.is_some()
     }
 
-    /// The states of all UAVs that may not be safe.
+    /// The states of all UAVs that might be unsafe.
     fn states(&mut self) -> Result<BTreeMap<String, Value>, String> {
         let uavs = Effect::ALL.map(|effect| self.stop.commanded().uavs(effect));
         let uavs: BTreeSet<String> = uavs.into_iter().flatten().collect();

@@ -1,5 +1,5 @@
-//! Sends requests to a live Flockwave server, and checks the session: a server's answers enter, and a recorded session and
-//! findings leave. [`testee`] checks codecs in other programs.
+//! Sends requests to a live Flockwave server, and checks the session. The results are a recorded session and findings.
+//! [`testee`] checks codecs in other programs.
 //!
 //! ```text
 //!  survey, commands, trials ──▶ session ──▶ tape ──line──▶ checker ──▶ findings
@@ -95,8 +95,8 @@ const PACE: Duration = Duration::from_secs(2);
 /// The number of unanswered requests after which a reduced pace applies, and the reduced pace.
 const REDUCED_PACE: (u32, Duration) = (3, Duration::from_millis(300));
 
-/// The number of times that a request is sent again over UDP, which may lose it or its answer, and the minimum
-/// interval.
+/// The maximum number of resends over UDP, which may lose a request or its answer, and the minimum interval between
+/// them.
 const MAX_RESENDS: u32 = 3;
 const RESEND_INTERVAL: Duration = Duration::from_millis(100);
 
@@ -294,7 +294,7 @@ impl Probe<'_, '_> {
     /// Runs the trials. They may stop a server, so they follow only if no UAV needs the server.
     fn complete(&mut self, attempts: &[(&'static Rule, Attempt)], steps: usize) {
         if let Some(danger) = self.danger() {
-            // This matters more than any other reason.
+            // UAVs in danger matter more than any other reason.
             self.cut_short = Some(format!("{danger}; check the UAVs"));
         }
         if self.stop.is_requested() || self.failure.is_some() {
@@ -572,7 +572,7 @@ impl Probe<'_, '_> {
         }
     }
 
-    /// Ends the probe early. An interruption is no fault of the server, so it isn't the reason.
+    /// Ends the probe early, for this reason. After an interruption by the user, the reason is ignored.
     fn cut_short(&mut self, why: String) {
         if !self.stop.is_due() {
             self.cut_short.get_or_insert(why);

@@ -2,7 +2,7 @@
 
 // Recordings.
 
-/// The maximum size of a recording, in bytes. A server can send without end.
+/// The maximum size of a recording, in bytes. A server can send any amount of data.
 pub(crate) const MAX_RECORDED: u64 = 1 << 30;
 
 /// The maximum size of the lines that are kept back, in bytes.

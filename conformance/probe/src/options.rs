@@ -33,9 +33,9 @@ pub struct Options {
     /// The time that an operation of a UAV may take until it progresses or ends. A shorter wait proves nothing, so it never
     /// causes a finding.
     pub progress_timeout: Duration,
-    /// The time limit for the UAVs to appear that may receive commands.
+    /// The time limit until the UAVs that may receive commands appear.
     pub uav_timeout: Duration,
-    /// The time to make the UAVs safe that received commands, excluding all other limits.
+    /// The time to make the commanded UAVs safe, excluding all other limits.
     pub landing_limit: Duration,
     /// The certificates to trust in connections over TLS.
     pub trust: Trust,

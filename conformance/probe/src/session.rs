@@ -39,7 +39,7 @@ enum Kind {
     Events,
 }
 
-/// The way to a server.
+/// The way in which a server is reached.
 pub(super) struct Path<'p> {
     pub(super) endpoint: &'p Endpoint,
     pub(super) access: &'p Access,
@@ -97,8 +97,8 @@ pub(super) struct Session {
     waiting: BTreeMap<String, Instant>,
     /// The ids of answered requests.
     answered: BTreeSet<String>,
-    /// The time of the latest answer that left a request waiting, where this request was sent together with the answered
-    /// one or later.
+    /// The time of the latest answer that left a request waiting. That request was sent together with the answered
+    /// request, or later.
     answered_at: Option<Instant>,
     /// The ids of the HTTP requests whose responses have not been read, in order. A message without an id has `None`.
     unread: VecDeque<Option<String>>,
@@ -108,7 +108,7 @@ pub(super) struct Session {
     sent_at: Instant,
     /// True if the connection is being read to its end after sending failed.
     is_draining: bool,
-    /// True if the server sent SYS-CLOSE, and so announced the end of the connection.
+    /// True if the server announced the end of the connection with SYS-CLOSE.
     pub(super) is_announced: bool,
     /// The reason why the latest failed HTTP request failed.
     failed: Option<String>,
@@ -241,7 +241,7 @@ impl Session {
         let message = text.to_vec();
         let sent = self.call(move |client| client.send(&message));
         match sent {
-            // Each HTTP request fails on its own.
+            // HTTP requests fail independently of each other.
             Err(error)
                 if self.is_one_shot()
                     && matches!(error.kind(), ErrorKind::InvalidData | ErrorKind::TimedOut) =>
@@ -327,7 +327,7 @@ impl Session {
                 return None;
             }
             match link.client().receive(until.min(self.clock.now() + NOTICE_TIME)) {
-                // Blank lines and empty answers are no messages.
+                // Blank lines and empty answers aren't messages.
                 Ok(Received::Message(bytes)) if bytes.trim_ascii().is_empty() => {
                     if let Some(Some(id)) = self.unread.pop_front().filter(|_| self.is_one_shot()) {
                         self.fails(tape, Some(&id), "the response is empty", None);
@@ -408,7 +408,7 @@ impl Session {
 
     /// Adds an envelope to an HTTP answer that has none. The specification doesn't define this transport, and some
     /// servers answer with only the body, since each HTTP response belongs to a known request. An answer to a request
-    /// without an id gets none, and is returned as an error.
+    /// without an id gets no envelope, and is returned as an error.
     fn enveloped(&mut self, bytes: Vec<u8>) -> Result<Vec<u8>, Vec<u8>> {
         let request = self.unread.pop_front().flatten();
         let Some(body) = bare(&bytes).filter(|_| self.is_one_shot()) else { return Ok(bytes) };

@@ -13,8 +13,8 @@ use super::commanded::Commanded;
 /// The maximum time until a waiting probe notices a request to stop.
 pub(super) const NOTICE_TIME: Duration = Duration::from_millis(50);
 
-/// A handle that ends a probe early. The probe first makes the UAVs safe that it commanded: it lands them, stops their
-/// motors and wakes them. All clones refer to the same probe.
+/// A handle that ends a probe early. The probe first makes the commanded UAVs safe: it lands them, stops their motors
+/// and wakes them. All clones refer to the same probe.
 #[derive(Clone, Debug, Default)]
 pub struct Stop(Arc<Shared>);
 

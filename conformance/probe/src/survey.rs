@@ -20,7 +20,7 @@ const UNKNOWN_TYPE: &str = "PROBE-NONE";
 /// The time limit for the first UAV to appear. Some servers only have UAVs while a client is connected.
 const UAV_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// The default time limit for the UAVs to appear that may receive commands.
+/// The default time limit until the UAVs that may receive commands appear.
 pub(super) const NAMED_UAV_TIMEOUT: Duration = Duration::from_secs(30);
 
 /// The interval between requests while waiting for UAVs.
@@ -124,7 +124,7 @@ impl Probe<'_, '_> {
     fn await_uavs(&mut self) {
         let (began, end) = (self.clock.now(), self.end);
         let limit = if self.options.uavs.is_empty() { UAV_TIMEOUT } else { self.options.uav_timeout };
-        // The time limit of the probe is for the other requests.
+        // This wait extends the time limit of the probe, which applies to the other requests.
         self.end += limit;
         let mut first_after = None;
         loop {

@@ -210,7 +210,7 @@ impl<'d> Tape<'d> {
     }
 }
 
-/// Fails if a recording of this size is too long. Later messages are checked all the same.
+/// Fails if a recording of this size is too long. Later messages are still checked.
 fn within(size: u64, limit: u64) -> io::Result<()> {
     let problem = || format!("it would exceed {} bytes; the rest is missing", thousands(limit));
     if size > limit { Err(io::Error::new(io::ErrorKind::FileTooLarge, problem())) } else { Ok(()) }

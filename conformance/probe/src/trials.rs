@@ -90,7 +90,7 @@ impl Probe<'_, '_> {
         Some(session)
     }
 
-    /// Sends each of these messages alone, until one of them ends the service again. The server serves.
+    /// Sends each of these messages alone, until one of them ends the service again. The server must be serving.
     fn isolate(&mut self, suspects: &[&Sent], after: &str) {
         let stops = self.stops;
         for sent in suspects {
@@ -153,7 +153,7 @@ impl Probe<'_, '_> {
     }
 }
 
-/// The messages that may have ended the service: those after the latest answered request.
+/// The messages that may have ended the service: the messages after the latest answered request.
 fn suspects<'s>(session: &Session, steps: &'s [Step]) -> Vec<&'s Sent> {
     let sent: Vec<&Sent> = steps.iter().flat_map(Step::messages).collect();
     let is_answered = |sent: &&Sent| sent.id().is_some_and(|id| session.has_answer(id));

@@ -1,5 +1,5 @@
-//! The attempt to undo an effect of a command on one UAV. The status of the UAV decides that the UAV is safe. An answer
-//! only informs, because it may be missing, null, late or wrong.
+//! The attempt to undo an effect of a command on one UAV. The status of the UAV decides whether the UAV is safe. An
+//! answer only informs, because it may be missing, null, late or wrong.
 
 use std::time::{Duration, Instant};
 
@@ -12,7 +12,7 @@ use super::commanded::{Effect, Reply, has_code, is_at_rest};
 /// The time for a UAV to react to a command, after which the command is sent again.
 pub(super) const REACTION_TIME: Duration = Duration::from_secs(3);
 
-/// The time for which a UAV must refuse to land without descending before it is made to return, and the time that its
+/// The time for which a UAV must refuse to land without descending, before it is made to return. Also the time that its
 /// return may take.
 const REFUSAL_TIME: Duration = Duration::from_secs(5);
 const RETURN_TIME: Duration = Duration::from_secs(30);
@@ -85,7 +85,7 @@ impl Undoing {
         let Some(sent) = &self.sent else { return true };
         // A UAV that descends obeys the command.
         let since = self.descent.progressed_at.map_or(sent.at, |at| at.max(sent.at));
-        // A UAV in the air must react to the command, whatever the state of the operation is.
+        // A UAV in the air must react to the command, regardless of the state of the operation.
         let is_pending = self.effect != Effect::Airborne && sent.receipt().is_some() && outcome.is_none();
         let limit = if is_pending { self.patience } else { REACTION_TIME };
         sent.connection != connection || now.saturating_duration_since(since) >= limit
@@ -136,7 +136,7 @@ impl Undoing {
         let is_accepted = *reply == Reply::Success || evidence.outcome == Some(true);
         if !status.is_object() {
             let since = self.accepted_since.or(is_accepted.then_some(sent.at));
-            // A server may not know the states of its UAVs.
+            // A server might not know the states of its UAVs.
             let is_over =
                 since.is_some_and(|since| evidence.now.saturating_duration_since(since) >= REACTION_TIME);
             return if is_over { Ok(()) } else { Err("its status is unknown".to_owned()) };
@@ -240,7 +240,7 @@ mod tests {
     #[test]
     fn the_status_decides_that_motors_have_stopped() {
         let stopped = |reply, states: &[(u64, Value, u64)]| on_ground(Effect::MotorsOn, reply, states);
-        // An answer without information needs a new status that shows it.
+        // After an answer without information, a new status must show the result.
         for reply in [Some(Reply::Missing), Some(refusal())] {
             assert_eq!(stopped(reply.clone(), &[(0, json!([1]), 1), (1, json!([1]), 2)]), Ok(()));
             for states in [

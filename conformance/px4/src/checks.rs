@@ -1,4 +1,4 @@
-//! Health and arming reports: what prevents arming, and what is wrong with the vehicle, as PX4 reports it in events.
+//! PX4's health and arming reports: the problems of the vehicle, and the reasons that prevent arming.
 //!
 //! A report is a sequence of events: a summary of the group `arming_check`, any number of events about problems, and a
 //! summary of the group `health`. PX4 may split a report into chunks.
@@ -12,7 +12,7 @@ use uavspec_schema::{EventEnum, EventKind};
 use crate::event::RawEvent;
 use crate::limits::{MAX_CHUNKS, MAX_PROBLEMS};
 
-/// The number of problems in a report at which PX4 drops further ones. The summaries contain their bits.
+/// The number of problems in a report after which PX4 drops further problems. The summaries contain their bits.
 const MAX_SENT: usize = 14;
 
 /// A report. The modes, components and problems of all chunks are combined.
@@ -96,7 +96,7 @@ pub enum Step {
 /// Combines events into reports.
 #[derive(Clone, Debug, Default)]
 pub struct Reports {
-    /// The chunk of the report that has begun, with its number.
+    /// The open chunk of the current report, with its number.
     open: Option<(u8, Report)>,
     /// The latest complete chunk of each number.
     chunks: BTreeMap<u8, Report>,
@@ -109,7 +109,7 @@ pub struct Reports {
     is_only_chunk: bool,
     /// True if a report has begun since events were lost.
     has_begun: bool,
-    /// True if an event is unknown since the latest report has begun.
+    /// True if there was an unknown event since the start of the latest report.
     has_unknown: bool,
 }
 
@@ -119,8 +119,8 @@ impl Reports {
         self.latest.as_ref()
     }
 
-    /// The latest complete report, if all of its events are known and PX4 dropped none. It is the only chunk, as the one
-    /// before it was.
+    /// The latest complete report, if all of its events are known and PX4 dropped none. Both this report and the
+    /// previous one must consist of a single chunk.
     pub fn known(&self) -> Option<&Report> {
         let is_known = !self.has_unknown && self.is_only_chunk && self.chunks.len() == 1;
         self.latest().filter(|report| is_known && report.problems.len() < MAX_SENT)
@@ -325,12 +325,12 @@ mod tests {
         reports.latest().expect("a report").clone()
     }
 
-    /// For each mode: whether the vehicle can arm, and can run.
+    /// For each mode, two flags: the vehicle can arm, and the mode can run.
     fn modes(report: &Report) -> Vec<(&str, bool, bool)> {
         report.modes.values().map(|mode| (&*mode.name, mode.can_arm, mode.can_run)).collect()
     }
 
-    /// For each component: whether it is present, has an error, and has a warning.
+    /// For each component, three flags: it is present, has an error, and has a warning.
     fn components(report: &Report) -> Vec<(&str, [bool; 3])> {
         let state = |found: &Component| [found.is_present, found.has_error, found.has_warning];
         report.components.values().map(|found| (&*found.name, state(found))).collect()
@@ -367,7 +367,7 @@ mod tests {
             (END, &[1, BATTERY, 0, BATTERY]),
         ];
         let both = report(&[first, second].concat());
-        // A mode needs both chunks, and a component has the state of any.
+        // A mode is allowed only if both chunks allow it. A component combines the states of all chunks.
         assert_eq!(modes(&both), [("manual", false, true), ("auto", true, false)]);
         assert_eq!(components(&both), [("gps", [true, true, false]), ("battery", [true, false, true])]);
         assert_eq!(ids(&both), [NO_FIX, LOW]);
@@ -413,7 +413,7 @@ mod tests {
         assert_eq!(follow(&mut reports, &chunk), [Step::Open, Step::Complete]);
         let report = reports.latest().expect("a report");
         assert_eq!((modes(report)[0], report.problems.len()), (("manual", true, true), 0));
-        // A report that begins anew has only the problems after its start.
+        // A report that restarts has only the problems after its start.
         follow(&mut reports, &[chunk[0], (NO_FIX, &[AUTO, 1]), chunk[0], (LOW, &[AUTO, 2, 3]), chunk[1]]);
         assert_eq!(ids(reports.latest().expect("a report")), [LOW]);
     }

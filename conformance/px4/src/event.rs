@@ -1,4 +1,4 @@
-//! Events in PX4 messages, and the event metadata that says what they mean.
+//! Events in PX4 messages, and the event metadata that explains them.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -16,8 +16,8 @@ use uavspec_schema::event::{decompress, is_compressed};
 use uavspec_schema::limits::MAX_EVENTS_LEN;
 use uavspec_schema::{Failure, terminal};
 
-/// The event metadata for a capture, which is read when it is first used. The metadata of another build may decode events
-/// wrongly, so reports state the origin.
+/// The event metadata for a capture, which is read when it is first used. The metadata of another build may decode
+/// events wrongly, so reports name the origin.
 #[derive(Debug, Default)]
 pub struct EventMetadata {
     /// The origin.
@@ -85,7 +85,7 @@ fn read(bytes: &[u8]) -> io::Result<(Events, Option<Problem>)> {
     Ok((events, mistakes.into_iter().find(|mistake| mistake.level() == Level::Error)))
 }
 
-/// The events about arming and disarming, each with the field of `vehicle_status` that states the reason.
+/// The events about arming and disarming, each with the field of `vehicle_status` that contains the reason.
 pub const ARMING_EVENTS: [(&str, &str); 2] =
     [("commander_armed_by", "latest_arming_reason"), ("commander_disarmed_by", "latest_disarming_reason")];
 
@@ -143,7 +143,7 @@ impl RawEvent {
         })
     }
 
-    /// The events in a message of type `ArmingCheckReply`. Empty if it states more events than there is room for.
+    /// The events in a message of type `ArmingCheckReply`. Empty if it claims more events than there is room for.
     pub fn of_reply(values: DynamicView<'_>) -> Vec<Self> {
         let Some(Value::Array(events)) = values.get("events") else { return Vec::new() };
         let used = values.get("num_events").and_then(integer::<usize>);

@@ -28,7 +28,7 @@ pub fn fields(ty: MessageType<'_>) -> String {
     text
 }
 
-/// The types that a type contains, including those of its nested messages.
+/// The types that a type contains, including the types in its nested messages.
 pub fn nested(ty: MessageType<'_>) -> Vec<MessageType<'_>> {
     let mut found: Vec<MessageType<'_>> = Vec::new();
     let mut waiting = vec![ty];

@@ -5,8 +5,8 @@
 //!
 //! Everything else is parsed into a [`Tree`](uavspec_model::json::Tree). A tree preserves repeated keys, the text of numbers, and non-JSON tokens
 //! such as `NaN`. All findings come from the tree ([`Plans::explain`]). The fast path and the tree use the same checks
-//! of single values (`value.rs`). A test with randomly changed messages compares the results of the fast path with
-//! those of the tree.
+//! of single values (`value.rs`). A test with randomly changed messages compares the results of the fast path with the
+//! results of the tree.
 
 mod clean;
 pub mod decode;

@@ -1,5 +1,5 @@
-//! Values of PX4 messages, in memory, in CDR and in JSON: a record and the plan of its type enter, violations leave. A
-//! plan is compiled once for each type. The crate also compares the definitions in a capture with expected ones.
+//! Checks values of PX4 messages in memory, in CDR and in JSON. Each record is checked by the plan of its type. A plan
+//! is compiled once for each type. The crate also compares the definitions in a capture with expected ones.
 //!
 //! ```
 //! use uavspec_px4::comparison::compare_texts;

@@ -1,7 +1,7 @@
 //! The limits on what this crate reads and stores. They bound the time and the memory that hostile input takes.
 
-/// The maximum length of a path or subject in a plan, in characters. There is one of each for each field of each entry,
-/// and names in captures have any length.
+/// The maximum length of a path or subject in a plan, in characters. Each field of each entry has both, and names in
+/// captures can have any length.
 pub(crate) const MAX_PATH: usize = 256;
 
 /// The number of findings in a payload that are reported separately. A small compressed payload can contain millions.

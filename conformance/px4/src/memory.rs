@@ -152,8 +152,8 @@ impl<'t> FieldCounts<'t> {
     }
 }
 
-/// The number of fields of a format that the definition has with the same type, and of all fields. Without a definition,
-/// no fields are shared.
+/// The number of fields that the format and the definition share with the same type, and the number of all fields.
+/// Without a definition, no fields are shared.
 pub fn shared_fields(format: MessageType<'_>, defined: Option<MessageType<'_>>) -> (u64, u64) {
     let is_shared = |field: &&Field| {
         let defined = defined.and_then(|defined| defined.field(&field.name));
@@ -397,10 +397,10 @@ fn restriction(source: Source<'_>) -> Option<Box<Restriction>> {
     let (message, defined) = source.defined?;
     let mut restriction = Box::new(defined.restriction.clone()?);
     let counted = defined.counts.map(|array| &message.fields()[array]);
-    // The array has the length that the format states, even if the definition states a different one.
+    // The array has the length in the format, even if the definition has a different one.
     restriction.limits.count =
         counted.and_then(|array| source.format.field(&array.name)).and_then(|array| array.ty().max_length());
-    // If that array is shorter, the limit may exclude special values that the definition's array allows.
+    // If the array in the format is shorter, the limit may exclude special values that the definition's array allows.
     restriction.special.clone_from(&defined.special);
     Some(restriction)
 }

@@ -1,5 +1,6 @@
-//! The parts that the checks of memory, CDR and JSON share, besides the checks of single values: the rules, the messages
-//! for violations, the number of values that each rule covers, and the number of entries in use in counted arrays.
+//! The parts that the checks of memory, CDR and JSON share, in addition to the checks of single values: the rules, the
+//! messages for violations, the number of values that each rule covers, and the number of entries in use in counted
+//! arrays.
 
 use std::collections::BTreeMap;
 use std::fmt;

@@ -57,9 +57,9 @@ pub struct Definitions {
     pub schema: Schema,
     /// The paths of definitions that were left out, because they refer to other packages.
     pub(crate) left_out: Vec<String>,
-    /// The built-in packages that fill what the path lacks.
+    /// The built-in packages that provide what the path lacks.
     pub(crate) built_in: Vec<String>,
-    /// True if the user gave the definitions. False for the built-in ones and for those of releases.
+    /// True if the user gave the definitions. False for the built-in definitions and for the definitions of a release.
     pub is_given: bool,
     by_topic: HashMap<String, MessageId>,
     /// The messages of other releases that replace messages of the main release.
@@ -263,8 +263,8 @@ impl Definitions {
             .map(|id| self.current(*id))
     }
 
-    /// True if a capture may state this type hash for a message. Captures state the hash of the service for an event of the
-    /// service.
+    /// True if a capture may contain this type hash for a message. Captures contain the hash of the service for an
+    /// event of the service.
     pub fn has_type_hash(&self, message: &Message, stated: &str) -> bool {
         let is_stated = |hash: &str| hash.eq_ignore_ascii_case(stated);
         is_stated(&message.type_hash)

@@ -251,7 +251,7 @@ mod tests {
                     if path.is_file() { fs::read_to_string(&path).expect("a file") } else { String::new() };
                 let rule = text.lines().skip_while(|line| !line.contains("static RULE: "));
                 let mut rule = rule.take_while(|line| !line.is_empty());
-                // With a longer line, rustfmt leaves the whole rule as it is.
+                // If a line is longer, rustfmt doesn't format the whole rule.
                 let long = rule.find(|line| line.chars().count() > MAX_WIDTH);
                 assert_eq!(long, None, "{path:?}");
             }

@@ -8,8 +8,8 @@ pub const MAX_INCOMPLETE: usize = 1 << 20;
 /// The maximum number of lines in a message.
 pub(crate) const MAX_LINES: usize = 10_000;
 
-/// The maximum number of connections whose incomplete messages, or whose state for a rule, are stored. If there are more
-/// connections, those with the lowest indices are dropped.
+/// The maximum number of connections for which incomplete messages, or the state of a rule, are stored. If there are
+/// more connections, the connections with the lowest indices are dropped.
 pub const MAX_CONNECTIONS: usize = 16;
 
 /// The maximum size of a stored list, in bytes. The ids of ten thousand UAVs fit.
@@ -49,5 +49,6 @@ pub(crate) const MAX_ITEMS: usize = 10_000;
 
 // Definitions.
 
-/// The maximum number of releases, with different messages of other releases, that stay in memory.
+/// The maximum number of loaded definitions that stay in memory. Each contains releases, and messages of other
+/// releases.
 pub(crate) const MAX_STORED: usize = 8;

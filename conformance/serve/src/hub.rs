@@ -29,8 +29,8 @@ const STEP: f64 = 0.05;
 /// time.
 const STEPS_AT_ONCE: u32 = 10_000;
 
-/// The minimum time between notifications of all clients that requests caused. Such a notification may cost more time
-/// than a thousand requests.
+/// The minimum time between notifications to all clients that are caused by requests. Such a notification may cost more
+/// time than a thousand requests.
 const ANNOUNCEMENT_INTERVAL: Duration = Duration::from_millis(500);
 
 /// The maximum number of UAVs per notification, so that every notification fits into a UDP datagram.

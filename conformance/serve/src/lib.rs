@@ -1,6 +1,5 @@
-//! A reference Flockwave server with a simulated fleet, over TCP, UDP, HTTP and Socket.IO: requests enter, and responses
-//! and notifications leave. `listen` reads requests from sockets, `hub` passes each to the file of its `family`, and the
-//! answer returns through an outbox per client.
+//! A reference Flockwave server with a simulated fleet, over TCP, UDP, HTTP and Socket.IO. `listen` reads requests from
+//! sockets, `hub` passes each request to the file of its `family`, and the answer returns through an outbox per client.
 //!
 //! ```text
 //!  listen ──bytes──▶ hub ──request──▶ family ──▶ world, uav, operation
@@ -136,7 +135,7 @@ pub struct Options {
     pub bug: Option<&'static FlockwaveRule>,
     /// The initial time of the server, in milliseconds since 1970.
     pub start: u64,
-    /// The clock of the server. The server only reads it, so another thread must move simulated time.
+    /// The clock of the server. The server only reads it, so another thread must advance simulated time.
     pub clock: Clock,
 }
 

@@ -19,10 +19,10 @@ use super::{Options, family};
 /// The time that a message takes from the client to the server.
 const DELAY: Duration = Duration::from_millis(1);
 
-/// The port that the server states.
+/// The port that the server reports.
 const PORT: u16 = 5001;
 
-/// A server that clients call directly, as if over TCP or UDP at port 5001. Clones are the same server.
+/// A server that clients call directly, as if over TCP or UDP at port 5001. Clones share the server.
 #[derive(Clone)]
 pub struct InMemory(Rc<RefCell<State>>);
 

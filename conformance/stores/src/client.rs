@@ -43,7 +43,8 @@ impl Refused {
     }
 }
 
-/// The number of further requests that the clients of a store may send. A server can divide a list into parts without end.
+/// The number of further requests that the clients of a store may send. A server can divide a list into any number of
+/// parts.
 #[derive(Clone, Debug)]
 pub(super) struct Budget(Arc<AtomicU64>);
 
@@ -60,8 +61,12 @@ impl Budget {
 
     fn take(&self) -> Result<(), HttpError> {
         let left = self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(1));
-        let excess =
-            || format!("the list has more than {} parts: name a folder in it", thousands(MAX_REQUESTS));
+        let excess = || {
+            format!(
+                "listing the folder takes more than {} requests: specify a subfolder",
+                thousands(MAX_REQUESTS)
+            )
+        };
         left.map(drop).map_err(|_| Refused::error(excess()))
     }
 }
@@ -186,7 +191,7 @@ mod tests {
         crate::request::runtime().expect("a runtime")
     }
 
-    /// Answers each request with a part of a list. Each part names a next one.
+    /// Answers each request with a part of a list. Each part names the next part.
     #[derive(Clone, Debug, Default)]
     struct Endless(Arc<AtomicU64>);
 
@@ -207,7 +212,7 @@ mod tests {
         }
     }
 
-    /// A connector of a service behind the limits.
+    /// A connector whose requests and answers are limited.
     #[derive(Debug)]
     struct Fake(Endless, Budget);
 
@@ -228,7 +233,7 @@ mod tests {
         let listed: Result<Vec<ObjectMeta>, _> = runtime().block_on(store.list(None).try_collect());
         let error = listed.expect_err("a list without end");
         let refused = Refused::cause_of(&error).expect("a refusal").to_string();
-        assert_eq!(refused, "the list has more than 10,000 parts: name a folder in it");
+        assert_eq!(refused, "listing the folder takes more than 10,000 requests: specify a subfolder");
         assert_eq!(service.0.load(Ordering::Relaxed), 7);
     }
 

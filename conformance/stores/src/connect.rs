@@ -60,7 +60,7 @@ pub fn list(url: &str) -> Result<Listed, String> {
     let read = || read_folder(&store, &url, &location, MAX_LIST);
     let mut listed = runtime.block_on(attempts(read)).map_err(|error| text(&error))??;
     budget.end();
-    // Stores have different orders.
+    // The order differs between stores.
     listed.captures.sort_by_key(Input::name);
     listed.skipped.sort();
     Ok(listed)
@@ -79,7 +79,7 @@ async fn read_folder(
         length += add(&mut listed, store, url, meta);
         if length > limit {
             let problem = format!("the URLs in the folder are longer than {} bytes", thousands(limit));
-            return Ok(Err(problem + ": name a folder in it"));
+            return Ok(Err(problem + ": specify a subfolder"));
         }
     }
     Ok(Ok(listed))
@@ -112,7 +112,7 @@ fn read_text(reader: impl Read, limit: u64) -> Result<String, String> {
     utf8(&bytes).map(str::to_owned)
 }
 
-/// Reads a list with a URL in each line. URLs may be relative to that of the list.
+/// Reads a list with a URL in each line. URLs may be relative to the URL of the list.
 fn read_list(url: &Url, object: &Object) -> Result<Listed, String> {
     let reader = object.open(&Failure::default()).map_err(|error| error.to_string())?;
     let list = read_text(reader, MAX_LIST)?;
@@ -193,7 +193,7 @@ fn connect(url: &Url, scheme: &ObjectStoreScheme, budget: &Budget) -> Result<Arc
 
 /// Selects the implementation of TLS.
 fn prepare_tls() {
-    // It may be selected already.
+    // An implementation may be selected already.
     let _ = rustls::crypto::ring::default_provider().install_default();
 }
 
@@ -207,10 +207,10 @@ fn shown(url: &Url) -> String {
     shown_url(url.as_str())
 }
 
-/// The URL of an object in the same store, which [`list`] finds by it.
+/// The URL by which [`list`] finds an object in the same store.
 fn url_of(url: &Url, location: &Location) -> String {
     let mut url = url.clone();
-    // In names, a percent sign is no escape sequence.
+    // In names, a percent sign doesn't start an escape sequence.
     url.set_path(&location.as_ref().replace('%', "%25"));
     shown(&url)
 }

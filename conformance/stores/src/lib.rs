@@ -1,4 +1,5 @@
-//! Captures in object stores: Amazon S3 and compatible ones, Google Cloud Storage, Azure Blob Storage, and web servers.
+//! Captures in object stores: Amazon S3 and compatible stores, Google Cloud Storage, Azure Blob Storage, and web
+//! servers.
 //!
 //! ```text
 //!  URL ──list──▶ Objects      Object ──ranges, read ahead──▶ Reader ──bytes──▶ check

@@ -9,7 +9,7 @@ pub(crate) const MAX_REQUESTS: u64 = 10_000;
 /// The maximum number of redirects of a request.
 pub(crate) const MAX_REDIRECTS: usize = 5;
 
-/// The maximum size of a list of URLs, in bytes. It also applies to the URLs of the objects in a folder.
+/// The maximum size of a list of URLs, in bytes. The limit also applies to the URLs of the objects in a folder.
 pub(crate) const MAX_LIST: u64 = 32 << 20;
 
 /// The maximum number of servers and buckets in a list.

@@ -17,7 +17,7 @@ pub(crate) struct Object {
     location: Path,
     /// The URL without its query.
     url: String,
-    /// The size and the version, if the list states them. Lists of web servers don't.
+    /// The size and the version, if the list contains them. Lists of web servers don't.
     known: Option<Known>,
 }
 

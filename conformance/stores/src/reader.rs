@@ -61,7 +61,7 @@ impl Reader {
             None => runtime()?.block_on(store.head(location)).map_err(|error| unreadable(&error))?.into(),
         };
         if known.size > MAX_OBJECT {
-            let problem = format!("the server states a size of {} bytes", thousands(known.size));
+            let problem = format!("the size is {} bytes according to the server", thousands(known.size));
             return Err(io::Error::new(io::ErrorKind::FileTooLarge, problem + ", which is more than 1 TiB"));
         }
         let (store, location) = (Arc::clone(store), location.clone());

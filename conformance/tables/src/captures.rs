@@ -12,13 +12,13 @@ pub(super) static TABLE: Table<CaptureRow> = Table {
         Column::text("capture", "The path or URL.", |row| Some(&row.path)),
         Column::count("size", "The size before decompression.", |row: &CaptureRow| row.origin.size)
             .in_unit("B"),
-        Column::text("etag", "The version that the object store states.", |row| row.origin.etag.as_deref()),
+        Column::text("etag", "The version in the object store.", |row| row.origin.etag.as_deref()),
         Column::text(
             "kind",
             "The kind: `ulog`, `mcap`, `rosbag2`, `json`, `flockwave` or `unknown`.",
             |row| row.kind,
         ),
-        Column::text("firmware", "The name and version of the firmware that a log states.", |row| {
+        Column::text("firmware", "The name and version of the firmware in a log.", |row| {
             row.firmware.as_deref()
         }),
         Column::text(
@@ -28,7 +28,7 @@ pub(super) static TABLE: Table<CaptureRow> = Table {
         ),
         Column::time(
             "start",
-            "The time of the first record, if the capture states its time in UTC.",
+            "The time of the first record, if the capture contains the time in UTC.",
             |row| row.start,
         ),
         Column::number("duration", "The time from the first to the last record.", |row: &CaptureRow| {

@@ -23,7 +23,7 @@ use super::{events, failures, find, timeline};
 /// The language of the labels in the text of a timeline.
 const ENGLISH: &str = "en";
 
-/// The options of a [`Checker`], which are those of `uavspec check`.
+/// The options of a [`Checker`]. They match the options of `uavspec check`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Options {
     /// A release such as `px4@1.16`, or the path of definitions. By default, they are chosen for each capture.
@@ -89,7 +89,7 @@ impl std::error::Error for Problem {}
 pub struct Tables(Vec<(&'static str, RecordBatch)>);
 
 impl Tables {
-    /// The table with this name. `timeline` and `events` exist only if the options ask for the timeline.
+    /// The table with this name. `timeline` and `events` exist only if the options request the timeline.
     pub fn get(&self, name: &str) -> Option<&RecordBatch> {
         self.iter().find(|(known, _)| *known == name).map(|(_, batch)| batch)
     }
@@ -204,7 +204,8 @@ impl Checker {
         Tables::new(rows, &failures, self.texts.is_some())
     }
 
-    /// Reads the messages of a topic, which is named as in the capture. `instance` is that of a topic in a PX4 log.
+    /// Reads the messages of a topic, which is named as in the capture. `instance` is the instance of a topic in a PX4
+    /// log.
     ///
     /// # Errors
     /// Fails if the capture can't be read, if it doesn't contain the topic, or if the topic has no definition.

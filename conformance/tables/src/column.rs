@@ -87,7 +87,7 @@ impl<R> Column<R> {
         Self { name, description, unit: None, value: Value::Time(value) }
     }
 
-    /// States the unit of the values.
+    /// Sets the unit of the values.
     pub(super) const fn in_unit(mut self, unit: &'static str) -> Self {
         self.unit = Some(unit);
         self

@@ -8,9 +8,9 @@
 //!  tables/failures/part-00000.parquet
 //! ```
 //!
-//! A part contains the rows of some captures, in all tables. Each file appears when it is complete, and that of the captures
-//! appears last. After a run that was killed, the captures that are listed are therefore complete, and another run can
-//! continue. The failures of a run are written at its end.
+//! A part contains the rows of some captures, in all tables. Each file appears when it is complete, and the file of the
+//! captures appears last. After a run that was killed, the captures that are listed are therefore complete, and another
+//! run can continue. The failures of a run are written at its end.
 
 use std::fs;
 use std::io::{self, Write as _};

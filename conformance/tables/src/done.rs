@@ -38,7 +38,7 @@ impl Done {
         let builder =
             ParquetRecordBatchReaderBuilder::try_new(File::open(file)?).map_err(io::Error::other)?;
         if !is_current(builder.schema()) {
-            return Err(io::Error::other("these are no tables of this version"));
+            return Err(io::Error::other("these tables were not written by this version of uavspec"));
         }
         let mask = ProjectionMask::columns(builder.parquet_schema(), COLUMNS);
         let reader = builder.with_projection(mask).build().map_err(io::Error::other)?;
@@ -52,7 +52,7 @@ impl Done {
         let column = |name: &str| {
             batch.column_by_name(name).ok_or_else(|| io::Error::other(format!("there is no column `{name}`")))
         };
-        let missing = || io::Error::other("a column has another type");
+        let missing = || io::Error::other("a column has a different type");
         let [captures, etags] =
             [column("capture")?, column("etag")?].map(|column| column.as_string_opt::<i32>());
         let (captures, etags) = captures.zip(etags).ok_or_else(missing)?;

@@ -12,8 +12,8 @@ const MAX_TEXTS: usize = 16 << 20;
 
 pub(super) static TABLE: Table<EventRow> = Table {
     name: "events",
-    description: "An event that PX4 sent on the topic `event`. The texts are those of the event metadata; they are empty \
-                  if the metadata doesn't define the event. Only with `--timeline`. A capture has up to 100,000 rows, with \
+    description: "An event that PX4 sent on the topic `event`. The texts come from the event metadata, and are empty if \
+                  it doesn't define the event. Only with `--timeline`. A capture has up to 100,000 rows, with \
                   up to 16 MiB of text.",
     columns: &[
         Column::text("name", "The name, such as `px4::commander_armed_by`.", |row| row.name.as_deref()),
@@ -24,7 +24,7 @@ pub(super) static TABLE: Table<EventRow> = Table {
             |row: &EventRow| Some(row.time),
         )
         .in_unit("s"),
-        Column::time("utc", "The time in UTC, if the capture states it.", |row: &EventRow| row.utc),
+        Column::time("utc", "The time in UTC, if the capture contains it.", |row: &EventRow| row.utc),
         Column::text("subject", "The instance or the topic, if there are several.", |row| {
             row.subject.as_deref()
         }),
@@ -46,7 +46,7 @@ pub(super) static TABLE: Table<EventRow> = Table {
         }),
         Column::text(
             "event_metadata",
-            "The event metadata: that of the capture, a file, or the built-in events.",
+            "The source of the event metadata: the capture, a file, or the built-in events.",
             |row| row.event_metadata.as_deref(),
         ),
     ],

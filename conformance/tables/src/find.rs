@@ -17,14 +17,12 @@ static TABLE: Table<(String, Origin)> = Table {
         Column::text("capture", "The path or URL.", |(name, _)| Some(name)),
         Column::count("size", "The size before decompression.", |(_, origin): &(String, Origin)| origin.size)
             .in_unit("B"),
-        Column::text("etag", "The version that the object store states.", |(_, origin)| {
-            origin.etag.as_deref()
-        }),
+        Column::text("etag", "The version in the object store.", |(_, origin)| origin.etag.as_deref()),
     ],
 };
 
 /// Finds the captures that files, folders, patterns and URLs denote, like `uavspec check`. The table has the columns
-/// `capture`, `size` and `etag`, which are those of the table `captures`.
+/// `capture`, `size` and `etag`, as in the table `captures`.
 ///
 /// # Errors
 /// Fails if a folder or link can't be read, or if an input yields no captures.

@@ -26,7 +26,7 @@ pub(super) static TABLE: Table<FindingRow> = Table {
         Column::text("path", "The location in the record.", |row| row.path.as_deref()),
         Column::number("time", "The time since the start of the capture.", |row: &FindingRow| row.time)
             .in_unit("s"),
-        Column::time("utc", "The time in UTC, if the capture states it.", |row| row.utc),
+        Column::time("utc", "The time in UTC, if the capture contains it.", |row| row.utc),
         Column::text("definition", "The file and line of the definition.", |row| row.definition.as_deref()),
         Column::text("known", "The reason in a baseline.", |row| row.known.as_deref()),
     ],

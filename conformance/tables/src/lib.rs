@@ -7,7 +7,7 @@
 //! Other programs check captures with a [`Checker`], and receive the tables in memory.
 //!
 //! A table states each column once: its name, type, unit and meaning, and the value of a row. The schema in the files, the
-//! batches and the documentation follow from this.
+//! batches and the documentation are derived from this.
 
 #![cfg(feature = "arrow")]
 

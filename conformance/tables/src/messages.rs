@@ -31,7 +31,7 @@ const TIME: &str = "capture_time";
 #[derive(Clone, Debug)]
 pub struct Messages {
     /// The columns. Their metadata contain the `unit`, the `description` and the `values` of an enum, if the definition
-    /// states them.
+    /// contains them.
     pub schema: SchemaRef,
     /// The rows, in the order of the capture.
     pub batches: Vec<RecordBatch>,
@@ -173,7 +173,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The reason why the topic has no rows, or not those of one topic.
+    /// The reason why the topic has no rows, or why its rows belong to several topics.
     fn problem(&self) -> Option<String> {
         let Self { topic, instance, .. } = self;
         let names: BTreeSet<&str> = self.found.iter().map(|(name, _)| name.as_str()).collect();

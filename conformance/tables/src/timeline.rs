@@ -17,7 +17,7 @@ pub(super) static TABLE: Table<TimelineRow> = Table {
             |row: &TimelineRow| Some(row.time),
         )
         .in_unit("s"),
-        Column::time("utc", "The time in UTC, if the capture states it.", |row: &TimelineRow| row.utc),
+        Column::time("utc", "The time in UTC, if the capture contains it.", |row: &TimelineRow| row.utc),
         Column::text("topic", "The topic or type of the message.", |row| Some(&row.topic)),
         Column::text(
             "subject",

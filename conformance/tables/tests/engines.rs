@@ -1,4 +1,4 @@
-//! The queries of the guide, in engines that others wrote.
+//! The queries of the guide, in third-party engines.
 
 use std::path::Path;
 use std::process::Command;

@@ -32,7 +32,7 @@ pub struct Content {
 }
 
 impl Content {
-    /// The content of an MCAP file. The log times are those of a regular recording.
+    /// The content of an MCAP file. The log times are regular.
     pub fn of_mcap(bytes: &[u8]) -> Self {
         let mut content = Self::default();
         let (mut schemas, mut reader) = (BTreeMap::new(), Reader::new(bytes));

@@ -15,7 +15,7 @@ type Watch = Rc<dyn Fn(&[u8]) -> Pass>;
 
 type Hears = Rc<dyn Fn(&[u8]) -> bool>;
 
-/// A network whose requests and messages pass functions.
+/// A network that passes requests and messages to functions.
 pub struct Watched<N> {
     /// The network.
     pub network: N,
@@ -181,7 +181,7 @@ struct ScriptedClient<S> {
 }
 
 impl<S: Fn(&mut Line, &[u8])> ScriptedClient<S> {
-    /// The next event that is due at a time. The end of the connection stays.
+    /// The next event that is due at a time. The end of the connection remains in the queue.
     fn next(&self, until: Instant) -> Option<(Instant, Event)> {
         let idle_at = self.line.idle_limit.map(|limit| self.line.active_at + limit);
         let mut queues = self.line.queues.borrow_mut();

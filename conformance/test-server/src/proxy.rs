@@ -46,7 +46,7 @@ pub type Watch = Arc<dyn Fn(&[u8]) -> Pass + Send + Sync>;
 pub struct Proxy {
     /// The delay from the client to the server, and from the server to the client.
     pub delays: [Duration; 2],
-    /// The clock of the delays. Another thread must move simulated time.
+    /// The clock of the delays. Another thread must advance simulated time.
     pub clock: Clock,
     /// The percentage of dropped UDP datagrams, in each direction. Each run drops the same datagrams.
     pub loss: u64,

@@ -14,8 +14,8 @@ use std::{env, fs};
 use uavspec_model::clock::Clock;
 pub use uavspec_test_definitions::{extent, shared, xz};
 
-/// Cargo, as from a shell. Tests have variables that describe this package. Build scripts that read them, such as that of
-/// ring, would run again, and all that depends on ring would be compiled again.
+/// Cargo, as from a shell. Tests run with variables that describe this package. Build scripts that read these
+/// variables, such as ring's, would run again, and all dependents of ring would be recompiled.
 pub fn cargo() -> Command {
     let mut command = Command::new(env!("CARGO"));
     for (name, _) in env::vars_os() {
@@ -35,7 +35,7 @@ pub fn send_signal(process: u32, signal: nix::sys::signal::Signal) {
     nix::sys::signal::kill(process, signal).expect("the process runs");
 }
 
-/// The time limit for an event that certainly happens, however slow the computer is. It ends tests that would hang.
+/// The time limit for an event that certainly happens, even on a slow computer. It ends tests that would hang.
 pub const LIMIT: Duration = Duration::from_secs(600);
 
 /// The end of the time limit for an event.
@@ -164,8 +164,8 @@ pub fn typical(rounds: u64) -> Vec<u8> {
     write_log(rounds, |_| String::new())
 }
 
-/// Like [`typical`], with the padding that PX4 adds to formats. The definitions of the topics are those of
-/// [`write_typical_definitions`].
+/// Like [`typical`], with the padding that PX4 adds to formats. [`write_typical_definitions`] writes the definitions of
+/// the topics.
 pub fn padded(rounds: u64) -> Vec<u8> {
     write_log(rounds, |length| {
         let padding = if length % 2 == 0 { 7 } else { 3 };
@@ -255,7 +255,7 @@ impl Random {
 
 /// A reader that returns the bytes in pieces. The list of piece sizes repeats; a size of 0 causes an interruption.
 pub struct Pieces<'b> {
-    /// The bytes that are left.
+    /// The remaining bytes.
     pub rest: &'b [u8],
     /// The sizes of the pieces.
     pub sizes: Vec<usize>,

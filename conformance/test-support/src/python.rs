@@ -1,10 +1,11 @@
-//! Python with packages of others, for tests that are ignored by default.
+//! Python with third-party packages, for tests that are ignored by default.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The path of Python in a folder of `target`, with these packages. They are installed if the folder has others.
+/// The path of Python in a folder of `target`, with these packages. They are installed if the folder has other
+/// packages.
 pub fn python(folder: &str, packages: &[&str]) -> PathBuf {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target").join(folder);
     let (program, installed) = (folder.join("bin/python"), folder.join("requirements.txt"));

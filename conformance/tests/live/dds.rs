@@ -160,7 +160,7 @@ fn fast_dds_is_a_peer() {
     let _peer = Peer::run(Command::new(program).arg("69"));
     let probed = probe_messages("69", 8);
     assert_eq!(probed.findings(), []);
-    // It receives the messages of a role, and answers.
+    // The peer receives the messages of a role, and answers.
     let probed = Probed::with("dds://69", 8, &["--peer", "127.0.0.1", "--as", "component"]);
     assert_eq!((probed.findings(), probed.texts("notes")), (vec![], "[]".to_owned()));
     assert!(probed.covered("PX-EXT-01") > 10, "{}", probed.vehicle());

@@ -1,4 +1,4 @@
-//! Tests of the transports with peers that others wrote. They require the feature `live` and Python.
+//! Tests of the transports with third-party peers. They require the feature `live` and Python.
 
 mod application;
 mod dds;

@@ -254,7 +254,7 @@ fn an_interrupted_probe_makes_uavs_safe_at_each_point() {
         SIGABRT, SIGALRM, SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGUSR1, SIGUSR2, SIGVTALRM, SIGXCPU, SIGXFSZ,
     };
     thread::scope(|scope| {
-        // Each point with the request that must follow.
+        // Each point of interruption, with the request that must follow.
         for (point, after, signals, expected) in [
             ("UAV-TAKEOFF", "", &[SIGINT][..], "UAV-LAND"),
             ("UAV-INF", "UAV-TAKEOFF", &[SIGTERM], "UAV-LAND"),

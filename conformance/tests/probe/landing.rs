@@ -1,5 +1,5 @@
-//! Probes in simulated time that are interrupted, or lose their connection, their time or their UAV while it flies, and
-//! servers that don't do what they say.
+//! Probes in simulated time that are interrupted, run out of time, or lose their connection or a flying UAV, and
+//! servers whose answers are wrong.
 
 use std::rc::Rc;
 

@@ -37,7 +37,7 @@ fn probed_in_memory(url: &str, options: Options, passes: impl Fn(&Clock, &[u8]) 
 
 fn assert_conforms(probed: &Probed) {
     assert_eq!(probed.failure, None);
-    // The proxy has another port than SYS-PORTS states, which is no violation.
+    // The proxy's port differs from the port in SYS-PORTS, which isn't a violation.
     let is_violation = |group: &&uavspec_model::Group| group.rule.level != Level::Info;
     let found: Vec<_> = probed.result.findings.groups().filter(is_violation).collect();
     assert!(found.is_empty(), "{found:?}");
@@ -78,7 +78,7 @@ fn probes_a_server_that_loses_datagrams() {
     assert!(unanswered.is_empty(), "{unanswered:?}");
 }
 
-/// Options for tests of a connection. Trials, which open further ones, are part of the thorough tests.
+/// Options for tests of a connection. Trials, which open further connections, are part of the thorough tests.
 fn connection_options() -> Options {
     let selection = Selection::default();
     Options { selection: extent(selection.clone(), selection.without_trials()), ..long_options() }

@@ -65,7 +65,7 @@ fn ended_by_a_datagram(refuse: impl Fn(&Line) + 'static) -> Probed {
     compared(|tape| probe_on(&server, &endpoint, &options, &DEFINITIONS, Some(tape)))
 }
 
-/// A server that stops serving when it reads a fatal line, and serves again from the connection with this number after
+/// A server that stops serving when it reads a fatal line. It serves again from the connection with this number after
 /// that. `is_fatal` takes the number of the line in its segment, and the segment from this line on.
 fn mortal(restart: usize, is_fatal: impl Fn(usize, &str) -> bool) -> impl Fn(&mut Line, &[u8]) {
     let dead_connections = Cell::new(None);
@@ -255,7 +255,7 @@ fn a_malformed_message_that_fails_over_http_is_reported() {
     assert!(!found.is_empty() && found.iter().all(|text| text.contains("HTTP status 500")), "{found:?}");
 }
 
-/// A command restarts the server, and the probe goes on.
+/// A command restarts the server, and the probe continues.
 #[cfg(unix)]
 #[test]
 fn a_command_restarts_the_server() {

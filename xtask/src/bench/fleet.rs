@@ -1,4 +1,4 @@
-//! Thousands of captures, which the program, Python, Spark and Ray check.
+//! Thousands of captures, checked by the program, Python, Spark and Ray.
 
 use std::fs::{self, File};
 use std::io::Write as _;
@@ -14,7 +14,7 @@ use super::log::{Log, Violation};
 /// The captures, and the list of violations.
 const FOLDER: &str = "target/fleet";
 
-/// The folders of captures, each with the number of the last one.
+/// The folders of captures, each with the number of the last capture.
 const SETS: [(&str, usize); 3] = [("first", 100), ("second", 1_000), ("third", 10_000)];
 
 /// The smallest and the largest size in MB.
@@ -27,10 +27,10 @@ const EXPONENT: f64 = 0.85;
 const VIOLATED: usize = 4;
 const COMPRESSED: usize = 10;
 
-/// The packages, which the test of the Python package installs.
+/// The programs of the Python environment that the test of the Python package creates.
 const PYTHON: &str = "target/python-peers/bin";
 
-/// Makes the captures, and prints the results and times of each engine.
+/// Creates the captures, and prints the results and times of each engine.
 pub(super) fn run() -> Result<(), String> {
     if !Path::new(PYTHON).exists() {
         let help =
@@ -52,7 +52,7 @@ pub(super) fn run() -> Result<(), String> {
     execute(Command::new(programs.join("python")).args([script, FOLDER]).arg(program))
 }
 
-/// Makes the captures, with a list of the rules and topics that they violate.
+/// Creates the captures, with a list of the rules and topics that they violate.
 fn make(folder: &Path) -> std::io::Result<()> {
     let logs = Log::of_corpus()?;
     let mut seeds = vec!["capture,source,rule,topic\n".to_owned()];
@@ -84,7 +84,7 @@ fn make(folder: &Path) -> std::io::Result<()> {
     fs::write(folder.join("seeds.csv"), seeds.concat())
 }
 
-/// The size of a capture in bytes, which looks random. Few captures are large: the sizes have a Pareto distribution.
+/// The pseudorandom size of a capture, in bytes. Few captures are large: the sizes have a Pareto distribution.
 #[allow(
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
@@ -97,7 +97,7 @@ fn size(number: u64) -> usize {
     ((max - uniform * (max - min)).powf(-1.0 / EXPONENT) * 1e6) as usize
 }
 
-/// A number that looks random, by the method of `SplitMix64`.
+/// A pseudorandom number (`SplitMix64`).
 const fn random(seed: u64) -> u64 {
     let mut mixed = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
     mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

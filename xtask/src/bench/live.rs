@@ -20,7 +20,7 @@ struct Load {
     size: &'static str,
 }
 
-/// A type that no rule judges.
+/// A type that no rule checks.
 const UNKNOWN: &str = "load_msgs/msg/Load";
 
 const LOADS: [Load; 4] = [
@@ -45,7 +45,7 @@ const LOADS: [Load; 4] = [
 /// The number of topics, and the rate of each in Hz.
 const TOPICS: [&str; 2] = ["60", "250"];
 
-/// The time of the load in seconds, and the longer time of the probe.
+/// The duration of the load in seconds, and the longer duration of the probe.
 const SECONDS: [&str; 2] = ["20", "26"];
 
 /// The time between two readings of the memory.
@@ -57,7 +57,7 @@ const CYCLONE: &str = "<CycloneDDS><Domain>\
     <Discovery><ParticipantIndex>auto</ParticipantIndex><Peers><Peer address='127.0.0.1'/></Peers></Discovery>\
     </Domain></CycloneDDS>";
 
-/// The packages of the publisher, which the tests of the transports install.
+/// The Python interpreter of the publisher, in the environment that the tests of the transports create.
 const PYTHON: &str = "target/live-peers/bin/python";
 
 /// Prints the losses, the processor time and the memory of a probe.

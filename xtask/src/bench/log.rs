@@ -1,4 +1,4 @@
-//! Logs that are made from other logs: longer or shorter, and some with a violation.
+//! Logs derived from other logs: longer or shorter, and some with a violation.
 
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -14,7 +14,7 @@ const HEADER: usize = 16;
 /// The size of the header of a message: its size and its type.
 const MESSAGE: usize = 3;
 
-/// The position of the timestamp in a data message, behind the id.
+/// The position of the timestamp in a data message, after the id.
 const TIMESTAMP: usize = MESSAGE + 2;
 
 /// The size of a data message that is too short: an id, a timestamp and a byte.
@@ -26,14 +26,14 @@ pub(super) struct Log {
     definitions: Vec<u8>,
     messages: Vec<Message>,
     topics: HashMap<u16, Topic>,
-    /// The time from the first to the last message, and a period, in µs.
+    /// The time from the first to the last message, plus one period, in µs.
     span: u64,
 }
 
 /// A message of the data section.
 struct Message {
     bytes: Vec<u8>,
-    /// The time that a copy shifts: its position in the message.
+    /// The position in the message of the time that a copy shifts.
     time: Option<usize>,
     /// The subscription of a data message.
     id: Option<u16>,
@@ -45,14 +45,14 @@ struct Topic {
     flag: Option<usize>,
 }
 
-/// A change of a message.
+/// A violation to insert into a message.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Violation {
     /// A bool is neither 0 nor 1.
     Flag,
     /// A data message is shorter than its format.
     Size,
-    /// A timestamp is less than the one before.
+    /// A timestamp is less than the previous timestamp.
     Time,
 }
 
@@ -101,7 +101,7 @@ impl Log {
         Ok(logs.collect::<io::Result<Vec<Option<Self>>>>()?.into_iter().flatten().collect())
     }
 
-    /// Reads a log. Returns `None` for a file that isn't one.
+    /// Reads a log. Returns `None` for a file that isn't a log.
     fn read(bytes: &[u8]) -> Option<Self> {
         let (header, mut rest) = bytes.split_at_checked(HEADER)?;
         let mut log =
@@ -144,7 +144,7 @@ impl Log {
         Some(log)
     }
 
-    /// A log of about this size: the messages of this one, which repeat with later times. Also returns the topic of the
+    /// A log of about this size. The messages of this log repeat with later times. Also returns the topic of the
     /// violation.
     pub(super) fn make(&self, size: usize, mut violation: Option<Violation>) -> (Vec<u8>, Option<&str>) {
         let mut bytes = Vec::with_capacity(size + (1 << 16));
@@ -160,7 +160,7 @@ impl Log {
                 if bytes.len() >= size && violation.is_none() {
                     return (bytes, violated);
                 }
-                // Subscriptions and the rest last for all rounds.
+                // Messages without a time, such as subscriptions, apply to all rounds.
                 if round > 0 && message.time.is_none() {
                     continue;
                 }

@@ -18,7 +18,7 @@ const LOG: usize = 3_200_000;
 /// The size of the log whose data the bags contain, in bytes.
 const FLIGHT: usize = 160_000_000;
 
-/// Makes the inputs, and prints the table.
+/// Creates the inputs, and prints the table.
 pub(super) fn run() -> Result<(), String> {
     let program = super::program("")?;
     let peers = Path::new("xtask/peers");
@@ -26,7 +26,7 @@ pub(super) fn run() -> Result<(), String> {
     let folder = Path::new(FOLDER);
     let library = folder.join("build/release/uavspec-peers");
     let corpus = super::corpus();
-    // Written last: after an interruption, the inputs are made again.
+    // Written last: after an interruption, the inputs are created again.
     let made = folder.join("made");
     let at = |error: std::io::Error| format!("{FOLDER}: {error}");
     if !made.exists() {
@@ -40,7 +40,7 @@ pub(super) fn run() -> Result<(), String> {
     execute(table.arg(crates.generated).arg(crates.plain).args(FEATURES))
 }
 
-/// Makes the logs.
+/// Creates the logs.
 fn make(folder: &Path) -> std::io::Result<()> {
     let logs = folder.join("ulog");
     fs::create_dir_all(&logs)?;

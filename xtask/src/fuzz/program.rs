@@ -35,7 +35,8 @@ impl Program {
         let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
         let host = output(Command::new(rustc).args(["--print", "host-tuple"]))?;
         let folder = root.join("target/fuzz");
-        // Without `--locked`, because each new dependency of the workspace changes the lock file of this one.
+        // Don't use `--locked`, because each new dependency of the main workspace changes the lock file of the fuzz
+        // workspace.
         let mut cargo = Command::new(cargo());
         cargo.args(["build", "--release", "--manifest-path"]).arg(root.join("xtask/fuzz/Cargo.toml"));
         // With a target, the flags don't apply to build scripts and macros.

@@ -30,7 +30,7 @@ pub(super) struct Answers {
     /// The answers by the number of the job, and of its case. An answer without a case is about the schema.
     pub(super) lines: BTreeMap<(usize, Option<usize>), Line>,
     pub(super) end: End,
-    /// The reason for this end.
+    /// The reason why the run ended in this way.
     pub(super) reason: String,
 }
 

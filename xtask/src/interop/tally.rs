@@ -28,7 +28,7 @@ pub(super) struct ToolRecord {
     pub(super) explained: BTreeMap<String, usize>,
 }
 
-/// A tool's results for the cases of one package, whose schemas are referred to in one form.
+/// A tool's results for the cases of one package, with one form of references to schemas.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq, Serialize)]
 pub(super) struct Count {
     /// The number of schemas that the tool could use. For generators, the generated code must compile.

@@ -1,5 +1,5 @@
-//! The crates of a program. `cargo tree` selects them: `cargo metadata`, which describes them, also lists crates that only
-//! tests and other programs of the workspace use, because it combines the features of all of them.
+//! The crates of a program, selected by `cargo tree`. `cargo metadata` describes the crates. It combines the features
+//! of all packages, so it also lists crates that only tests and other programs of the workspace use.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

@@ -242,7 +242,7 @@ fn items(folder: &Path) -> Vec<Item> {
     syn::parse_file(&text.unwrap_or_else(|| panic!("no file for {}", folder.display()))).expect("Rust").items
 }
 
-/// The conditions of an item, appended to those of its parents, or `None` if the item is hidden or test-only.
+/// The conditions of an item, appended to the conditions of its parents, or `None` if the item is hidden or test-only.
 fn conditions(outer: &[String], attributes: &[Attribute]) -> Option<Vec<String>> {
     let mut own = Vec::new();
     for attribute in attributes {

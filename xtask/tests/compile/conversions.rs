@@ -147,7 +147,7 @@ fn converted(schema: &Schema, conversion: &Conversion) -> Vec<(Value, Value)> {
     let mut state = 7_u64;
     let mut next = || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-        // JSON has no form for invalid text and infinite numbers, which the mask excludes.
+        // The mask excludes invalid text and infinite numbers, which JSON can't represent.
         state.to_le_bytes()[5] & 0x3f
     };
     let pairs = (0..NUM_CASES).map(|_| {

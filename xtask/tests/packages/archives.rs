@@ -52,7 +52,7 @@ fn the_npm_package_has_the_expected_content() {
         assert!(exists, "{target} is exported, but missing");
     }
 
-    // The data is that of the repository.
+    // The data matches the repository.
     let generated = Path::new(env!("CARGO_MANIFEST_DIR")).join("../generated");
     for path in [
         "schemas/px4/Event.schema.json",

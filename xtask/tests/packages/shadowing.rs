@@ -1,5 +1,5 @@
-//! Tests that names in definitions don't hide the built-in names of Python in the generated modules. The names are
-//! those of the installed Python version.
+//! Tests that names in definitions don't hide the built-in names of Python in the generated modules. The names come
+//! from the installed Python version.
 
 use std::path::Path;
 

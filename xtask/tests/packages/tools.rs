@@ -37,7 +37,7 @@ pub(crate) fn write(path: &Path, text: &str) {
     fs::write(path, text).expect("a file");
 }
 
-/// The path of the npm package with the types. It is built once for all tests.
+/// The path of the npm package with the types, which is built once for all tests.
 pub(crate) fn package() -> PathBuf {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
     let folder = FOLDER.get_or_init(|| {

@@ -97,7 +97,7 @@ impl EventIn<'_> {
         self.event.arguments.iter().map(argument).collect::<Vec<_>>().join(", ")
     }
 
-    /// The types of the arguments in bytes, where an enum has the type of its numbers.
+    /// The scalar types of the arguments, in order. An enum argument has the type of its numbers.
     pub(super) fn layout(&self) -> Vec<Scalar> {
         self.event.arguments.iter().map(|argument| argument.scalar).collect()
     }
@@ -109,7 +109,7 @@ impl<'a> Comparison<'a> {
         Self::of_packages((old, new), packages(old, new), &[], between)
     }
 
-    /// Matches pairs of packages, and the messages of `others`, which may have different names.
+    /// Matches pairs of packages, and the pairs of messages in `others`, whose names may differ.
     pub(crate) fn of_packages(
         (old, new): (&'a Schema, &'a Schema),
         packages: Vec<(Option<&'a Package>, Option<&'a Package>)>,

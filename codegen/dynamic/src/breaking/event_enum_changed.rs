@@ -6,7 +6,7 @@ use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "event-enum-changed",
-    statement: "An entry of an enum of events was removed, or its value has another meaning.",
+    statement: "An entry of an enum of events was removed, or its value has a different meaning.",
     why: "Readers with the metadata of another build show a wrong label.",
     fix: "Keep the values of all entries, and add new entries with new values.",
     breaks: &[(Category::Source, Level::Error), (Category::Semantic, Level::Error)],
@@ -33,7 +33,7 @@ fn check(old: &EventEnum, new: &EventEnum, sink: &mut Sink<'_>) {
         };
         let message = format!("`{name}` ({value}) of `{}` {problem}", new.name);
         sink.change(new.span, both(before.span, new.span), message)
-            .breaks(Category::Source, "programs that use the entry don't compile, or use another value")
+            .breaks(Category::Source, "programs that use the entry don't compile, or use a different value")
             .breaks(Category::Semantic, "readers with other metadata show a wrong label");
     }
 }

@@ -14,10 +14,10 @@ use crate::limits::MAX_REORDERINGS;
 /// The kind of versions compared (commits or releases), which determines how `MESSAGE_VERSION` may change.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum Between {
-    /// A changed message must raise its version by one.
+    /// Two commits: a changed message must raise its version by exactly one.
     #[default]
     Commits,
-    /// A changed message may raise its version by more than one.
+    /// Two releases: a changed message must raise its version by one or more.
     Releases,
 }
 
@@ -69,13 +69,13 @@ pub(crate) struct Kept {
     pub old: usize,
     /// The index in the new message.
     pub new: usize,
-    /// The change of the field's element type.
+    /// The change to the field's element type.
     pub held: Held,
     /// True if the field moved relative to the other fields that exist in both versions.
     pub is_moved: bool,
 }
 
-/// The change of a field's element type.
+/// The change to a field's element type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Held {
     /// An unchanged type.
@@ -100,7 +100,7 @@ pub(crate) enum ConstantChange<'a> {
     Added(&'a Constant),
     /// A renamed constant with the old value.
     Renamed(&'a Constant, &'a Constant),
-    /// A new constant with the value of a removed one.
+    /// A new constant with the value of a removed constant.
     Reused(&'a Constant, &'a Constant),
     /// A constant whose name is unchanged.
     Same(&'a Constant, &'a Constant),
@@ -120,7 +120,8 @@ impl<'a> Pair<'a> {
         self.kept().map(|kept| (&self.old.fields[kept.old], &self.new.fields[kept.new]))
     }
 
-    /// True if two frames are the same, or references, such as `@frame`, to one field or constant that was renamed.
+    /// True if two frames are equal, or if both are references, such as `@frame`, to the same renamed field or
+    /// constant.
     pub(crate) fn is_same_frame(&self, old: &str, new: &str) -> bool {
         let references = old.strip_prefix('@').zip(new.strip_prefix('@'));
         old == new
@@ -174,7 +175,7 @@ impl<'a> Pair<'a> {
     }
 }
 
-/// Both locations.
+/// The locations in both versions.
 pub(super) fn both(old: Span, new: Span) -> Sides {
     Sides { old: Some(old), new: Some(new) }
 }
@@ -225,7 +226,7 @@ impl<'a> Matching<'a, '_> {
         twin_of
     }
 
-    /// The old names of the new fields. An added field has its own name, which no old field has.
+    /// The old name of each new field. An added field keeps its own name, which no old field has.
     pub(super) fn old_names(&self, old: MessageId, new: MessageId, fields: &Matched) -> Vec<&'a str> {
         let (old, new) = (self.old.message(old), self.new.message(new));
         let mut names: Vec<&str> = new.fields.iter().map(|field| field.name.as_str()).collect();
@@ -337,7 +338,7 @@ fn renamed<'a>(
     });
     let fields =
         fields.iter().map(|(at, twin)| (old.fields[*at].name.as_str(), new.fields[*twin].name.as_str()));
-    // A reference is to a field if a constant has the same name.
+    // If a field and a constant have the same name, a reference means the field.
     constants.chain(fields.filter(|(old, new)| old != new)).collect()
 }
 
@@ -371,9 +372,9 @@ fn constants<'a>(old: &'a Message, new: &'a Message) -> Vec<ConstantChange<'a>> 
     changes
 }
 
-/// Removes and returns the candidate that is most similar to `constant`. All `candidates` have its value. The returned
-/// flag is true if the candidate is the same constant under a different name. Candidates with a dissimilar name and a
-/// different first word are ignored.
+/// Removes and returns the candidate that is most similar to `constant`. All `candidates` have the value of `constant`.
+/// The returned flag is true if the candidate is the same constant under a different name. Candidates with a dissimilar
+/// name and a different first word are ignored.
 fn take_twin<'a>(constant: &Constant, candidates: &mut Vec<&'a Constant>) -> Option<(&'a Constant, bool)> {
     /// The maximum number of compared candidates; real enums have fewer aliases than this.
     const MAX_CANDIDATES: usize = 100;

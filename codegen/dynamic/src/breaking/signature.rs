@@ -6,7 +6,7 @@ use uavspec_runtime::Scalar;
 use uavspec_schema::{Dialect, Element, Form, Message, MessageId, Schema, Shape};
 
 /// Numbers that identify message layouts. Identical layouts have the same number. Fields are identified by their old
-/// names, so a renamed field stays the same, and two fields that swap places don't.
+/// names, so renaming a field keeps the number, and swapping two fields changes it.
 #[derive(Debug, Default)]
 pub(super) struct Signatures<'a> {
     known: HashMap<Vec<Member<'a>>, u32>,
@@ -88,7 +88,7 @@ impl<'a> Signatures<'a> {
     }
 }
 
-/// The type of an item of `message` without aliases. In ROS 2, `char` is an alias of `uint8`.
+/// The type of an item of `message`, with aliases resolved. In ROS 2, `char` is an alias of `uint8`.
 pub(super) fn plain(schema: &Schema, message: &Message, element: Element) -> Element {
     let is_ros2 = schema.package_of(message).form == Form::Msg(Dialect::Ros2);
     match element {

@@ -61,7 +61,8 @@ struct Reader<'b> {
     body: &'b [u8],
     at: usize,
     buffer: Vec<u8>,
-    /// True if the buffer doesn't contain the whole message. Reading goes on, because the payload may have a fault.
+    /// True if the buffer doesn't contain the whole message. Reading continues, because the payload may also contain a
+    /// fault.
     is_too_large: bool,
     order: ByteOrder,
     is_strict: bool,
@@ -155,7 +156,8 @@ impl<'b> Reader<'b> {
         Err((Fault::Bool(bytes[index]), start + index))
     }
 
-    /// Reads the length of a sequence whose slot is at `slot`, and appends its elements. Returns their offset and number.
+    /// Reads the length of a sequence whose slot is at `slot`, and appends its elements. Returns the offset and number
+    /// of the elements.
     fn sequence(&mut self, field: &Field, slot: usize) -> Result<(usize, usize), FaultAt> {
         let (min, least) = match field.element {
             Element::Scalar(scalar) => (scalar.size(), scalar.size()),
@@ -166,7 +168,7 @@ impl<'b> Reader<'b> {
         let count = self.length(field.bound(), min)?;
         let size = count.saturating_mul(field.stride);
         let has_room = count.saturating_mul(least) <= self.body.len() - self.at;
-        // Without this limit, each nesting level could allocate memory for the whole rest of the payload.
+        // Without this limit, each nesting level could allocate memory for the entire remaining payload.
         if has_room && self.buffer.len().saturating_add(size) <= self.body.len() * GROWTH {
             return Ok((self.append(slot, count, size), count));
         }

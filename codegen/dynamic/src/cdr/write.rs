@@ -31,7 +31,7 @@ struct Writer<'b> {
     types: &'b Types,
     bytes: &'b [u8],
     order: ByteOrder,
-    /// The payload, preceded by its four-byte header, which is not counted when values are aligned.
+    /// The four-byte header and the payload. Alignment is relative to the end of the header.
     out: Vec<u8>,
 }
 

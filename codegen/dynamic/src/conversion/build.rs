@@ -50,7 +50,7 @@ pub struct Conversions {
     pub forward: Vec<Arc<Conversion>>,
     /// The conversions from the new to the old package, in the same order.
     pub backward: Vec<Arc<Conversion>>,
-    /// The mistakes in the hints that only the definitions reveal, such as wrong types.
+    /// Mistakes in the hints that are detected only with the definitions, such as wrong types.
     pub mistakes: Vec<Mistake>,
     /// The hints that apply to at least one message, by their index in the file.
     pub(crate) applied: Vec<bool>,

@@ -103,7 +103,7 @@ struct Compute {
 }
 
 impl<'t> Converter<'t> {
-    /// Compiles a conversion. The types are those of its source and its target.
+    /// Compiles a conversion. `source` and `target` are the types of its messages.
     pub fn new(conversion: &Conversion, source: MessageType<'_>, target: MessageType<'t>) -> Self {
         Self {
             target,
@@ -118,7 +118,7 @@ impl<'t> Converter<'t> {
         self.target
     }
 
-    /// True if a message has the same CDR payload in both types. It then needs no conversion.
+    /// True if a message has the same CDR payload in both types. Such a message needs no conversion.
     pub fn keeps_cdr(&self) -> bool {
         self.keeps_cdr
     }
@@ -214,7 +214,7 @@ impl Run<'_> {
         Some(())
     }
 
-    /// Appends the elements of a sequence with their initial values, and returns the location of the first.
+    /// Appends the elements of a sequence with their initial values, and returns the location of the first element.
     fn open(&mut self, slot: usize, length: usize, stride: usize, element: &ElementCopy) -> Option<usize> {
         let start = self.append(length.checked_mul(stride)?)?;
         self.point(slot, start, length)?;

@@ -20,8 +20,8 @@ pub struct Conversion {
     pub steps: Vec<Step>,
     /// The data that the conversion loses.
     pub losses: Vec<Loss>,
-    /// The indices of target fields that may get a value that the target's definition excludes. All other fields satisfy
-    /// their definition if the source does.
+    /// The indices of target fields that can get a value that the target's definition excludes. All other fields
+    /// satisfy their definition if the source does.
     pub unchecked: Vec<usize>,
     /// The parts that neither the definitions nor the hints decide.
     pub undecided: Vec<Undecided>,
@@ -57,9 +57,9 @@ pub enum Step {
 pub struct Copy {
     /// The index of the source field.
     pub source: usize,
-    /// The conversion of each element. Elements that the target has no room for are dropped.
+    /// The conversion of each element. Elements beyond the length of the target are dropped.
     pub elements: Elements,
-    /// The value of elements of the target that the source lacks, and of numbers that [`Narrowing::Neutral`] replaces.
+    /// The value for target elements without a source element, and for numbers that [`Narrowing::Neutral`] replaces.
     pub rest: Neutral,
     /// The limit, if the field counts the elements of an array that was cut.
     pub limit: Option<CountLimit>,
@@ -70,13 +70,13 @@ pub struct Copy {
 pub struct CountLimit {
     /// The maximum.
     pub max: u32,
-    /// The values of the source type that are not limited, and their values in the target: values with a special
-    /// meaning, such as an unknown count, and values whose names have other numbers in the target.
+    /// Source values that are not limited, with their values in the target. These values have a special meaning, such
+    /// as an unknown count, or their names have other numbers in the target.
     pub special: BTreeMap<i128, i128>,
 }
 
 impl CountLimit {
-    /// The limited count.
+    /// Applies the limit to a count.
     pub(super) fn limited(&self, value: i128) -> i128 {
         self.special.get(&value).copied().unwrap_or(value.min(self.max.into()))
     }
@@ -160,6 +160,6 @@ pub struct Undecided {
     pub old: Option<Span>,
     /// The difference.
     pub message: String,
-    /// The hint that would decide.
+    /// A hint that would decide this part.
     pub help: String,
 }

@@ -15,8 +15,8 @@ use uavspec_test_definitions::{add_folder, differs, extent, shared};
 use super::reference::convert_json;
 use super::support::PX4_HINTS;
 
-/// The converted releases, in their order. A quick run converts between the two that most of the hand-written
-/// translations concern.
+/// The converted releases, in order. A quick run converts only between the two releases with the most hand-written
+/// translations.
 pub(super) fn releases() -> &'static [&'static str] {
     extent::<&[&str]>(&["1.13", "1.14", "1.15", "1.16", "1.17", "1.18", "main"], &["1.16", "1.17"])
 }
@@ -30,7 +30,7 @@ pub(super) struct Corpus {
     pub(super) neighbours: BTreeMap<[&'static str; 2], Conversions>,
 }
 
-/// Shared by the tests, because it takes most of their time.
+/// Shared by the tests, because building it takes most of their time.
 pub(super) static CORPUS: LazyLock<Option<Corpus>> = LazyLock::new(|| {
     let folder = shared("corpus/px4")?;
     let mut sources = SourceMap::default();
@@ -52,7 +52,8 @@ pub(super) static CORPUS: LazyLock<Option<Corpus>> = LazyLock::new(|| {
     Some(Corpus { schema, hints, neighbours })
 });
 
-/// The fixture lists what the definitions and the published hints don't decide between neighbouring releases.
+/// The fixture lists the parts of conversions between neighbouring releases that are undecided despite the published
+/// hints.
 #[test]
 fn lists_the_undecided_parts_between_releases() {
     let Some(corpus) = &*CORPUS else { return };
@@ -78,7 +79,7 @@ fn lists_the_undecided_parts_between_releases() {
     }
 }
 
-/// The messages of the hand-written translations whose versions are both in the corpus.
+/// Tests the hand-written translations with both message versions in the corpus.
 #[test]
 fn decides_the_hand_written_steps_between_real_releases() {
     let Some(Corpus { schema, neighbours, .. }) = &*CORPUS else { return };
@@ -112,8 +113,7 @@ fn decides_the_hand_written_steps_between_real_releases() {
     }
 }
 
-/// If the initial message of the source satisfies its definition, the converted message satisfies the target's, except
-/// for the listed fields.
+/// If the initial source message satisfies its definition, so does the converted message, except for the listed fields.
 #[test]
 fn converted_messages_of_real_releases_validate() {
     let Some(Corpus { schema, neighbours, .. }) = &*CORPUS else { return };

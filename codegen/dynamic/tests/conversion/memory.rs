@@ -19,7 +19,7 @@ fn compare(schema: &Schema, types: &Types, conversion: &Conversion, mut next: im
     let (Some(size), initial) = (source.size(), target.default().to_json().expect("JSON")) else { return 0 };
     let converter = Converter::new(conversion, source, target);
     let mut count = 0;
-    // JSON has no form for invalid text and infinite numbers, which the second mask excludes.
+    // The second mask excludes invalid text and infinite numbers, which JSON can't represent.
     for mask in [0xff, 0x3f] {
         let payload: Vec<u8> = (0..size.padded).map(|_| next() & mask).collect();
         let message = source.decode_uorb(&payload).expect("a message");
@@ -283,7 +283,7 @@ fn counts_lost_strings_and_sequences() {
     }
 }
 
-/// JSON has no form for such strings, so the reference can't convert them.
+/// JSON can't represent strings that are not Unicode, so the reference can't convert them.
 #[test]
 fn copies_strings_that_are_not_unicode() {
     let found = convert_dialect(

@@ -67,10 +67,11 @@ fn definitions(fields: &[(String, String)]) -> Converted {
 
 const NAMES: [&str; 8] = ["alpha", "bravo", "charlie", "delta", "echo", "foxtrot", "golf", "hotel"];
 
-/// With bytes up to this one, all values are valid: `char` is ASCII, and floats are finite.
+/// The largest byte in random payloads. Bytes up to this value form only ASCII characters and finite floats, which are
+/// valid.
 const LARGEST_BYTE: u8 = 0x3f;
 
-/// A message whose payload repeats the bytes.
+/// A message with a payload that repeats `bytes`.
 fn message(found: &Converted, conversion: &Conversion, bytes: &[u8]) -> Value {
     let types = Types::new(&found.schema);
     let ty = types.get(conversion.from);
@@ -107,7 +108,7 @@ proptest! {
                 if there.keeps(at) {
                     prop_assert!(is_same, "{}: {original} {returned}", field.name);
                 }
-                // No byte is 0, so a dropped field, which returns as 0, has another value afterwards.
+                // No byte is 0, so a dropped field, which is 0 after both conversions, differs from its original value.
                 let is_dropped = there.losses.iter().any(|loss| loss.source == Some(at) && loss.kind == LossKind::Dropped);
                 prop_assert!(!is_dropped || !is_same, "{}", field.name);
             }

@@ -184,13 +184,13 @@ impl Copier<'_> {
     }
 }
 
-/// The initial value of a nested message in a sequence, which the definition doesn't contain.
+/// The initial value of a nested message in a sequence.
 fn initial_of(schema: &Schema, id: MessageId) -> Value {
     let types = Types::new(schema);
     types.get(id).default().to_json().unwrap_or_default()
 }
 
-/// A count that is limited, unless it has a special meaning.
+/// Limits a count, unless it has a special meaning.
 fn limited(limit: &CountLimit, value: i128) -> i128 {
     limit.special.get(&value).copied().unwrap_or(value.min(limit.max.into()))
 }

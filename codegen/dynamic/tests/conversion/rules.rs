@@ -1,4 +1,4 @@
-//! Tests of the differences that definitions decide, and of the undecided ones.
+//! Tests of the differences that definitions decide, and of undecided differences.
 
 use serde_json::json;
 use uavspec_dynamic::conversion::{Elements, Step};
@@ -117,17 +117,17 @@ fn changed_meanings_are_undecided() {
         (
             "float32 sink  # [m/s] Rate\n",
             "float32 sink  # [cm/s] Rate\n",
-            "another unit: cm/s instead of m/s",
+            "a different unit: cm/s instead of m/s",
         ),
         (
             "float32 x  # [m] [@frame NED] X\n",
             "float32 x  # [m] [@frame FRD] X\n",
-            "another frame: FRD instead of NED",
+            "a different frame: FRD instead of NED",
         ),
         (
             "float32 x  # [m] [@invalid -1] X\n",
             "float32 x  # [m] [@invalid NaN] X\n",
-            "another value for missing data: NaN instead of -1",
+            "a different value for missing data: NaN instead of -1",
         ),
         ("uint8 MODE_A = 1\nuint8 mode\n", "uint8 MODE_A = 2\nuint8 mode\n", "`MODE_A` is 2 instead of 1"),
         (
@@ -150,8 +150,8 @@ fn changed_meanings_are_undecided() {
     assert_eq!(undecided(&old, &new, ""), "");
     let hint = "[[hint]]\nmessage = \"Glider\"\nnew.axis = 0\nold.axes = 0\n";
     let found = undecided(&old, &new, hint);
-    assert!(found.contains("another frame: @axis instead of @axes"), "{found}");
-    // An annotation that is added or removed contradicts nothing.
+    assert!(found.contains("a different frame: @axis instead of @axes"), "{found}");
+    // Adding or removing an annotation is not a contradiction.
     assert_eq!(undecided("float32 sink\n", "float32 sink  # [m/s] Rate\n", ""), "");
 }
 

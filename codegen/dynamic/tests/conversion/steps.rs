@@ -1,7 +1,7 @@
 //! The steps between message versions for which PX4 has hand-written translations.
 //!
-//! The definitions contain the fields that matter, in the words of this project. Each test needs only the published
-//! hints.
+//! The definitions contain only the relevant fields, with descriptions written for this project. Each test needs only
+//! the published hints.
 
 use serde_json::{Value, json};
 use uavspec_dynamic::conversion::Hints;
@@ -59,7 +59,7 @@ fn actuator_servos_0_to_1() {
         json!([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, null, null, null, null, null, null, null])
     );
     assert_eq!(found.run(found.backward("ActuatorServos"), &new), old);
-    assert_eq!(found.backward("ActuatorServos").losses[0].text, "`control` is cut to 8 elements");
+    assert_eq!(found.backward("ActuatorServos").losses[0].text, "`control` is truncated to 8 elements");
 }
 
 #[test]

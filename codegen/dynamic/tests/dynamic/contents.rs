@@ -73,7 +73,7 @@ fn text_of_fixed_size_is_a_string() {
     assert_eq!(error.to_string(), "name: invalid type: integer `7`, expected a string of at most 4 bytes");
 }
 
-/// The strict decoder, which checks the output of encoders, rejects such strings. Captures of real programs contain them.
+/// The strict decoder rejects strings that are not Unicode, but captures of real programs contain them.
 #[test]
 fn strings_that_are_not_unicode_are_kept() {
     let (_, schema, _) = support::texts(
@@ -115,7 +115,7 @@ fn strings_that_are_not_unicode_are_kept() {
     }
 }
 
-/// Each byte that isn't part of a character counts as one.
+/// Each byte that isn't part of a character counts as one character.
 #[test]
 fn bounds_of_strings_apply_to_invalid_text() {
     let (_, schema, _) = support::texts(Form::Msg(Dialect::Ros2), &[("Named.msg", "string<=2 name\n")]);

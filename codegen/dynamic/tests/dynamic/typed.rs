@@ -18,7 +18,7 @@ use uavspec_types::px4::{
 
 use super::values::Draw;
 
-/// A hand-written message type of variable size, which mirrors what the generator emits.
+/// A hand-written message type of variable size, which mirrors generated code.
 #[derive(Clone, Default, PartialEq)]
 struct Leaf {
     on: bool,

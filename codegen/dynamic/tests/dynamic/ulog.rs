@@ -24,7 +24,7 @@ fn reads_the_same_values_from_real_logs_as_another_tool() {
 }
 
 /// In a healthy log, each field satisfies the definitions of all releases that contain the field. The only violations
-/// are known anomalies: since 1.17, PX4 states a range for `max_error` that excludes the 0 of unknown errors.
+/// are known anomalies: since 1.17, PX4's range for `max_error` excludes 0, the value for an unknown error.
 #[test]
 fn finds_only_known_violations_in_real_logs() {
     let (Some(logs), Some(corpus)) = (shared("corpus/ulog"), shared("corpus/px4")) else { return };

@@ -54,7 +54,7 @@ impl Draw {
         }
     }
 
-    /// A text whose length, according to `measure`, is at most `most`.
+    /// A text with a length of at most `max`, according to `measure`.
     fn text(&mut self, max: usize, measure: fn(&str) -> usize) -> String {
         const CHARACTERS: [char; 10] = ['a', 'Z', ' ', '"', '\\', '\n', 'é', '€', '😀', '\u{7f}'];
         let mut text = String::new();

@@ -17,7 +17,7 @@ pub(crate) struct KnownEvents {
 
 /// An enum of event metadata.
 pub(crate) struct KnownEnum {
-    /// The start of the keys of its labels.
+    /// The common prefix of the keys of its labels.
     pub(crate) key: String,
     /// The number of bits; 0 if values aren't bit fields.
     pub(crate) bits: usize,

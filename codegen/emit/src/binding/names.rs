@@ -40,11 +40,11 @@ pub(super) struct Names {
     pub(super) constants: Vec<String>,
     /// Enum names, by message.
     pub(super) enums: Vec<Vec<String>>,
-    /// By type.
+    /// Names of the types defined on pages, by type.
     pub(super) json_types: Vec<String>,
-    /// By message and direction.
+    /// Names of message bodies, by message and direction.
     pub(super) parts: BTreeMap<(JsonMessageId, Direction), String>,
-    /// For each package, the names in use, so that added names, such as those of message unions, are unique.
+    /// For each package, the names in use, so that added names, such as names of message unions, are unique.
     scopes: Vec<Scope>,
 }
 
@@ -58,7 +58,7 @@ pub(crate) fn identifier(name: &str) -> String {
     if reserved.any(|word| word == plain) { plain + "_" } else { plain }
 }
 
-/// Like [`identifier`], for modules and declarations. In Python, these names would hide builtins.
+/// Like [`identifier`], for modules and declarations. Also escapes the names of Python builtins.
 pub(super) fn top_level(name: &str) -> String {
     let name = identifier(name);
     if BUILTINS.lines().any(|builtin| builtin == name) { name + "_" } else { name }

@@ -37,7 +37,8 @@ pub(super) struct ParameterEnum {
 /// The constants of a message, grouped by the section that shows them.
 #[derive(Debug, Default)]
 pub(super) struct Constants<'s> {
-    /// Command constants: those with parameters, and those whose names start with the common prefix of all commands.
+    /// Constants that are commands: all constants with parameters, and all constants that start with the common prefix
+    /// of commands.
     pub(super) commands: Vec<usize>,
     /// Values of command parameters, by prefix.
     pub(super) parameter_enums: BTreeMap<&'s str, ParameterEnum>,

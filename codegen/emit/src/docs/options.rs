@@ -13,7 +13,7 @@ pub struct Options {
     pub more_contents: String,
     /// Folders of the other outputs, relative to the documentation.
     pub siblings: Siblings,
-    /// The releases of the packages, from which pages show the history of each definition.
+    /// The releases of the packages. Pages show the history of each definition in these releases.
     pub releases: Releases,
 }
 

@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use pulldown_cmark::{Event, Parser, Tag};
 use uavspec_lint::RULES;
 use uavspec_lint::release::{ReleaseText, Releases};
-use uavspec_lint::report::{RULES_URL, rule_url};
+use uavspec_lint::report::rule_page;
 use uavspec_schema::diagnostic::Problem;
 use uavspec_schema::msg::Dialect;
 use uavspec_schema::source::SourceMap;
@@ -233,9 +233,10 @@ fn creates_the_rule_pages_that_reports_link_to() {
     let targets = targets(&files);
     let ids = RULES.iter().map(|rule| rule.id).chain(Problem::KINDS.iter().map(|kind| kind.code));
     for id in ids {
-        let url = rule_url(id);
+        let url = rule_page(id);
         let (path, anchor) = url.split_once('#').unwrap_or((&url, ""));
-        let path = path.strip_prefix(RULES_URL).and_then(|path| path.strip_suffix(".html")).expect("a page");
+        let path =
+            path.strip_prefix("docs/rules/").and_then(|path| path.strip_suffix(".html")).expect("a page");
         let anchors = targets.get(format!("rules/{path}.md").as_str()).unwrap_or_else(|| panic!("{url}"));
         assert!(anchor.is_empty() || anchors.contains(anchor), "{url}");
     }
@@ -686,7 +687,7 @@ fn message_pages_show_the_history_in_the_releases() {
         page.text.split_once("## History\n").map(|(_, history)| history.to_owned())
     };
     let boat = history("boats/Boat.md").expect("a history");
-    assert!(boat.contains("\nThe fields on this page are those of `1.9`.\n"), "{boat}");
+    assert!(boat.contains("\nThis page shows the fields of `1.9`.\n"), "{boat}");
     assert!(
         boat.contains("\n| `1.9` | oldest known release |\n| `1.10` | `is_moored` (bool) was added |"),
         "{boat}"

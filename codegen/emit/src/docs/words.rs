@@ -1,7 +1,7 @@
 //! The fixed text of pages, in English and in other languages.
 //!
-//! Translations are in PO files like those of definitions, such as `words/uk.po`, with the English text as `msgid`.
-//! Languages without a file use English.
+//! Like translations of definitions, these translations are in PO files, such as `words/uk.po`. The English text is the
+//! `msgid`. Languages without a file use English.
 
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
@@ -82,7 +82,7 @@ words! {
     CHANGES = "Changes";
     OLDEST_RELEASE = "oldest known release";
     NO_CHANGES = "no changes";
-    FIELDS_OF_RELEASES = "The fields on this page are those of {releases}.";
+    FIELDS_OF_RELEASES = "This page shows the fields of {releases}.";
     FIELDS_OF_NO_RELEASE = "No release has exactly the fields on this page.";
 
     // Composing a message

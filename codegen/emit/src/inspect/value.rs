@@ -30,7 +30,7 @@ pub(crate) fn value(value: &Value) -> Json {
     }
 }
 
-/// The JSON form of an integer of at most 64 bits, as all values of fields and constants are.
+/// Converts an integer to JSON. The integers in fields and constants have at most 64 bits.
 pub(crate) fn integer(value: i128) -> Json {
     i64::try_from(value)
         .map_or_else(|_| json!(u64::try_from(value).unwrap_or(u64::MAX)), |value| json!(value))

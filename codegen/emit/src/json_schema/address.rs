@@ -20,7 +20,7 @@ pub(crate) enum Target {
     JsonType(JsonTypeId),
     /// A message defined on a page, in one direction.
     JsonPart(JsonMessageId, Direction),
-    /// The events of a component: the index of the package, and that of the component.
+    /// The events of a component, by package index and component index.
     Events(usize, usize),
 }
 

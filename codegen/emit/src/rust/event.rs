@@ -213,7 +213,7 @@ impl Emitter<'_> {
         });
         let (id, namespace, own_name, group) =
             (types::integer(event.id.into()), &component.namespace, &event.name, &event.group);
-        // Without arguments, nothing is read and written.
+        // An event without arguments reads and writes nothing.
         let [source, sink] = ["source", "sink"]
             .map(|name| if fields.is_empty() { format_ident!("_{name}") } else { format_ident!("{name}") });
         quote! {

@@ -29,7 +29,8 @@ pub(super) fn header_of_package(package: &Package) -> String {
     header(&format!("the definitions of {}", package.name))
 }
 
-/// The declaration of a public module in the module `parent`. Names come from definitions, so both may be equal.
+/// The declaration of a public module in the module `parent`. Names come from definitions, so the names of both modules
+/// may be equal.
 pub(super) fn module_declaration(parent: &str, module: &str) -> TokenStream {
     let allowed = (parent == module).then(|| quote!(#[allow(clippy::module_inception)]));
     let module = ident(module);

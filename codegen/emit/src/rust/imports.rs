@@ -71,7 +71,7 @@ impl Imports {
                 None => break,
                 Some(TokenTree::Group(group)) => {
                     let (delimiter, content) = (group.delimiter(), group.stream());
-                    // Otherwise the tokens of the group would be copied.
+                    // If the group were kept, its tokens would be copied.
                     drop(group);
                     let content = self.shorten(content.into_iter().collect());
                     Group::new(delimiter, content).into()

@@ -31,7 +31,7 @@ pub(super) fn module(language: Language) -> OutputFile {
     OutputFile { path: format!("{MODULE}.{}", language.extension()), text: header("the definitions") + &body }
 }
 
-/// The decoder with other type annotations.
+/// The decoder with type annotations replaced by `annotation`.
 fn code(annotation: impl Fn(&str) -> &str) -> String {
     let mut parts = CODE.split("/*:");
     let mut code = parts.next().unwrap_or_default().to_owned();

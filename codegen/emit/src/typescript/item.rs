@@ -83,7 +83,7 @@ fn messages(name: &str, entries: &[(String, Type)]) -> String {
     format!("export interface {name} {{\n{entries}}}\n")
 }
 
-/// The union of those members that a `number` can represent exactly.
+/// The union of the members that a `number` can represent exactly.
 fn literals(name: &str, members: &[Named]) -> String {
     if members.iter().all(has_literal) {
         return format!("(typeof {name})[keyof typeof {name}] | ");

@@ -47,8 +47,8 @@ pub(super) fn replaced(before: &[u8], mut after: Vec<u8>, byte: u8) -> Option<Ve
     Some(after)
 }
 
-/// Adds [`GROWTH`] elements to a sequence in the CDR payload `after`. The payload `before` differs only in that this
-/// sequence is empty.
+/// Adds [`GROWTH`] elements to a sequence in the CDR payload `after`. In the payload `before`, this sequence is empty,
+/// and everything else is equal.
 pub(super) fn grown(before: &[u8], after: &[u8], size: usize, filler: u8) -> Option<Vec<u8>> {
     // Lengths are aligned to four bytes, which is also the size of the header.
     let at = difference(before, after)? / 4 * 4;

@@ -125,7 +125,7 @@ impl Sample {
         Self::new(name, words, json, Verdict::malformed(rule::TYPE))
     }
 
-    /// Adds a change at the first byte where the encoding differs from that of `reference`.
+    /// Adds a change at the first byte where the encoding differs from the encoding of `reference`.
     pub(super) fn patched(self, reference: impl Into<String>, change: Change) -> Self {
         Self { patch: Some(Patch { reference: reference.into(), change }), ..self }
     }
@@ -148,7 +148,7 @@ pub(super) struct Case {
     pub(super) description: String,
     /// The violated rule, or `None` for a valid case.
     pub(super) rule: Option<&'static str>,
-    /// The message as JSON. Absent if it doesn't encode to the bytes, or if the bytes don't decode to it.
+    /// The message as JSON. Present only if it encodes to the bytes and the bytes decode to it.
     pub(super) json: Option<String>,
     /// The decoded value as JSON. Present only if re-encoding it produces different bytes.
     pub(super) decoded: Option<String>,

@@ -8,7 +8,7 @@ use uavspec_schema::{Event, EventArgument, EventComponent, Package};
 use super::case::Case;
 use super::print::quote;
 
-/// The cases of a component: for each event, arguments with different patterns of bits.
+/// The cases of a component: for each event, arguments with different bit patterns.
 pub(super) fn cases(package: &Package, component: &EventComponent) -> Vec<Case> {
     let events = Events::new(package.components.as_slice());
     let of_event = |event| KINDS.iter().filter_map(|kind| case(&events, event, kind)).collect::<Vec<_>>();
@@ -29,12 +29,12 @@ const KINDS: [Kind; 3] = [
     Kind { name: "ones", description: "all bits of the integers are set", bits: ones },
 ];
 
-/// All bits of an integer, or the least `float`, because JSON has no NaN.
+/// Sets all bits of an integer. A `float` gets the lowest value, because JSON has no NaN.
 fn ones(_: usize, argument: &EventArgument, _: &Events) -> u64 {
     if argument.scalar == Scalar::Float32 { f32::MIN.to_bits().into() } else { u64::MAX }
 }
 
-/// A value that differs from the other arguments. An enum has its last entry.
+/// A value that differs from the other arguments. An enum argument has the last entry of its enum.
 fn typical(index: usize, argument: &EventArgument, events: &Events) -> u64 {
     let number = index as u64 + 1;
     match events.enumeration(argument) {
@@ -47,7 +47,7 @@ fn typical(index: usize, argument: &EventArgument, events: &Events) -> u64 {
     }
 }
 
-/// A case. Without arguments, an event has only the first kind.
+/// A case. An event without arguments has only the first kind of case.
 fn case(events: &Events, event: &Event, kind: &Kind) -> Option<Case> {
     if event.arguments.is_empty() && kind.name != KINDS[0].name {
         return None;

@@ -233,7 +233,8 @@ fn text(length: u32) -> Vec<Sample> {
 }
 
 /// Samples for a string. Some implementations count the characters of a bounded string, and others count the bytes of a
-/// `string` and the UTF-16 code units of a `wstring`. All samples are on the same side of the bound for all of them.
+/// `string` and the UTF-16 code units of a `wstring`. Each sample is within the bound, or beyond it, in all
+/// implementations.
 fn strings(is_wide: bool, bound: Option<u32>) -> Vec<Sample> {
     let mut samples = Vec::new();
     let multibyte = format!("aé{WIDE}");

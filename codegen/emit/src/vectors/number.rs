@@ -202,7 +202,7 @@ impl<'s> NumberSamples<'s> {
         let number = self.rounded(number);
         if self.is_representable(number) {
             let mut sample = Sample::new(name, words, self.json(number), self.verdict(number));
-            // As 64-bit floats, such an integer may be equal to a valid one.
+            // As 64-bit floats, such an integer may be equal to a valid integer.
             sample.verdict.suits_doubles = match number {
                 Number::Int(value) => sample.verdict.passes_schema || value.unsigned_abs() <= EXACT_WITHIN,
                 Number::Float(_) => true,

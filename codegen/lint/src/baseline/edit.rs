@@ -62,8 +62,7 @@ fn line(text: &str) -> usize {
 }
 
 /// The lines of an entry between `before` and `after`, with the comments directly above and directly below. Comments at
-/// the start of the list stay, since they may concern the whole list. Of the blank lines around the entry, those above
-/// stay.
+/// the start of the list are kept, because they may apply to the whole list. Blank lines above the entry are kept.
 fn extent(text: &str, entry: Range<usize>, before: usize, after: Option<usize>) -> Range<usize> {
     let is_comment = |line: &&str| line.trim_start().starts_with('#');
     let line_start = |at: usize| text[..at].rfind('\n').map_or(0, |end| end + 1);

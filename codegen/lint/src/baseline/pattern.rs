@@ -36,7 +36,7 @@ impl Pattern {
     }
 }
 
-/// A path without `./` at its start.
+/// A path without a leading `./`.
 pub(super) fn plain(path: &str) -> &str {
     path.strip_prefix("./").unwrap_or(path)
 }

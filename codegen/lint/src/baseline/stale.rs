@@ -33,8 +33,7 @@ pub enum Outcome {
     NotRun,
 }
 
-/// The entries that a run can show to be stale: those for which this function of their rule is true. Entries about cases
-/// have no rule.
+/// Selects the entries that a run can detect as stale, by the rule of the entry. Entries about cases have no rule.
 pub type Scope<'s> = &'s dyn Fn(Option<&str>) -> bool;
 
 /// The results of a run, counted for each entry within the scope. The results themselves aren't kept.
@@ -49,7 +48,7 @@ struct Sum {
     passing: Option<String>,
     /// The cases that failed.
     failing: Vec<String>,
-    /// The number of findings. Findings that another entry covers are left out if the entry has a count.
+    /// The number of findings. If the entry has a count, findings that another entry covers are not counted.
     failed: usize,
     idle: usize,
     not_run: usize,
@@ -60,7 +59,7 @@ struct Sum {
 }
 
 impl Lists {
-    /// Starts to count results.
+    /// Starts counting results.
     pub fn sums(&self, scope: Scope<'_>) -> Sums {
         let entries = self.entries.iter().enumerate();
         let entries = entries.filter(|(_, entry)| scope(entry.rule.as_deref()));
@@ -81,9 +80,9 @@ impl Lists {
         }
     }
 
-    /// The findings about entries that are stale on `today`, in order. Their fixes are edits of the list. A fix isn't
-    /// possible if messages have no common prefix, since an empty prefix would excuse any failure. A note is about an
-    /// entry with more findings than its count.
+    /// The findings about entries that are stale on `today`, in order. Each fix is an edit of the list. There is no fix
+    /// if messages have no common prefix, because an empty prefix would match any failure. An entry with more findings
+    /// than its count is reported as a note.
     pub fn stale(&self, sums: &Sums, today: Date) -> Vec<Finding> {
         sums.0.iter().flat_map(|(at, sum)| self.reasons(*at, sum, today)).collect()
     }

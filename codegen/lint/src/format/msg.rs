@@ -64,8 +64,8 @@ fn rows(sources: &SourceMap, id: SourceId, definition: &Definition<'_>, dialect:
     rows
 }
 
-/// Adds a separator. Its comment moves to the end of the part above, because rosidl rejects text after `---`. The
-/// blank line keeps it from becoming the comment of the part.
+/// Adds a separator. Its comment moves to the end of the part above, because rosidl rejects text after `---`. The blank
+/// line keeps the moved comment from becoming the comment of the part.
 fn push_separator(line: &str, rows: &mut Vec<Row>) {
     if let Some((_, text)) = line.split_once('#') {
         rows.push(Row::Blank);
@@ -159,7 +159,7 @@ impl<'m> Reader<'m> {
     }
 }
 
-/// Removes trailing blank lines and collapses consecutive ones. A blank line at the start is kept only before a
+/// Removes trailing blank lines and collapses consecutive blank lines. A blank line at the start is kept only before a
 /// comment, which would otherwise become the comment of the whole definition.
 fn tidy(rows: Vec<Row>) -> Vec<Row> {
     let mut tidy: Vec<Row> = Vec::with_capacity(rows.len());

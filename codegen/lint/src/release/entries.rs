@@ -87,7 +87,7 @@ pub fn sections<'t>(text: &'t str, kinds: &[Kind]) -> Vec<Section<'t>> {
     found
 }
 
-/// The kind and the name that a line states, such as `MSG: package/Name`.
+/// The kind and the name in a heading line, such as `MSG: package/Name`.
 fn heading_of<'t>(line: &'t str, kinds: &[Kind]) -> Option<(Kind, &'t str)> {
     let (word, name) = line.trim().split_once(": ")?;
     let kind = kinds.iter().find(|kind| heading_word(**kind) == word)?;

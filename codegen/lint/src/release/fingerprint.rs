@@ -1,4 +1,4 @@
-//! Fingerprints of definitions, by which captures are compared with many releases.
+//! Fingerprints of definitions, used to compare captures with many releases.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -8,7 +8,8 @@ use uavspec_schema::fingerprint::{interface_name, ros_name};
 use uavspec_schema::msg::Kind;
 use uavspec_schema::{Element, Form, Schema, shape_text};
 
-/// The fingerprints of a definition. Comments, units and constants, other than the version, don't change them.
+/// The fingerprints of a definition. The fingerprints don't depend on comments, units and constants, except the
+/// version.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Fingerprint {
     /// The full ROS name: `px4_msgs/msg/BatteryStatus`.
@@ -67,7 +68,7 @@ pub fn fingerprints(schema: &Schema) -> Vec<Fingerprint> {
     found
 }
 
-/// The hash of the keys of a message in JSON, without those of nested messages. Their order doesn't change it.
+/// The hash of a message's keys in JSON, without the keys of nested messages. The order of the keys doesn't matter.
 pub fn keys_hash<'k>(keys: impl Iterator<Item = &'k str>) -> u64 {
     let keys: BTreeSet<&str> = keys.collect();
     let mut hasher = Sha256::new();
@@ -92,7 +93,7 @@ const MAX_DEPTH: usize = 32;
 pub struct LayoutHashes<'t>(HashMap<(&'t str, &'t str), Option<u64>>);
 
 impl<'t> LayoutHashes<'t> {
-    /// The hash of a message of one [`Types`]. `None` if its size varies.
+    /// The hash of a message. All messages must be from the same [`Types`]. `None` if the size varies.
     pub fn get(&mut self, message_type: MessageType<'t>) -> Option<u64> {
         self.nested(message_type, 0)
     }

@@ -12,7 +12,7 @@ use uavspec_schema::{Message, Schema};
 use super::entries::{entries, packages};
 use super::selection::{full_name, select};
 
-/// The rules of `breaking` about versions. A [`Step`] states the version itself.
+/// The rules of `breaking` about versions. Their findings are skipped, because a [`Step`] contains the version.
 const VERSION_RULES: [&str; 3] = ["message-version", "message-version-needless", "message-version-removed"];
 
 /// The rule about renamed definitions.
@@ -30,7 +30,7 @@ pub struct ReleaseText {
 /// The releases of each package, from the oldest to the newest, by the package's name.
 pub type Releases = BTreeMap<String, Vec<ReleaseText>>;
 
-/// A definition in one release, and its changes since the release before.
+/// A definition in one release, and its changes since the previous release.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Step {
     /// The name of the release.
@@ -45,7 +45,7 @@ pub struct Step {
     pub fields: BTreeSet<String>,
     /// The constants and their values, of all parts of a service.
     pub constants: BTreeMap<String, String>,
-    /// The changes since the release before. Empty for the first release.
+    /// The changes since the previous release. Empty for the first release.
     pub changes: Vec<Change>,
 }
 
@@ -54,7 +54,7 @@ pub struct Step {
 pub struct Change {
     /// The id of the rule of [`breaking`] that describes this kind of change.
     pub rule: &'static str,
-    /// The change, in words. Fields and constants of the definition are named without its name.
+    /// The change, in words. Fields and constants are named without the name of the definition.
     pub message: String,
     /// The changed field or constant in the older release.
     pub old: Option<String>,
@@ -99,7 +99,7 @@ pub fn history(releases: &[ReleaseText], dialect: Dialect, name: &str) -> Vec<St
 /// A release, and the names of its definitions.
 type Names<'r> = (&'r ReleaseText, &'r BTreeSet<String>);
 
-/// A definition in a release, and in the release before.
+/// A definition in a release, and in the previous release.
 struct Versions<'r> {
     dialect: Dialect,
     name: &'r str,
@@ -136,8 +136,8 @@ impl Versions<'_> {
         (step, old_name)
     }
 
-    /// The names of the definitions to compare. A definition that only one release contains may have been renamed, so
-    /// it is compared with all definitions that the other release alone contains.
+    /// The names of the definitions to compare. A definition that exists in only one release may have been renamed, so
+    /// it is compared with all definitions that exist only in the other release.
     fn compared(&self, is_in_both: bool) -> (BTreeSet<&str>, BTreeSet<&str>) {
         let own = BTreeSet::from([self.name]);
         let Some((_, old)) = self.old.filter(|_| !is_in_both) else { return (own.clone(), own) };
@@ -153,7 +153,7 @@ impl Versions<'_> {
     ) -> Version {
         let folder = format!("{folder}/");
         let packages = packages(&select(&release.text, names), self.dialect, &folder, sources);
-        // A definition with an error is left out.
+        // A definition with an error is skipped.
         let (schema, _) = read(sources, &packages);
         Version { schema, folder }
     }
@@ -248,7 +248,8 @@ fn difference<'n>(names: &'n BTreeSet<String>, others: &'n BTreeSet<String>) -> 
     names.difference(others).map(String::as_str).collect()
 }
 
-/// The full name of a renamed definition: that of the new one, with the name in the path of the old one.
+/// The full name of a renamed definition: the package and kind from the new name, and the name from the path of the old
+/// definition.
 fn renamed(name: &str, path: &str) -> String {
     let start = name.rfind('/').map_or("", |end| &name[..=end]);
     format!("{start}{}", stem(path))

@@ -5,8 +5,8 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use super::entries::{Entry, entries};
 use super::text::write_heading;
 
-/// The named definitions of a release, with the definitions that they refer to, as a text like that of the release. The
-/// names are full ROS names.
+/// The named definitions of a release, with the definitions that they refer to, in the text form of releases. The names
+/// are full ROS names.
 ///
 /// ```
 /// use std::collections::BTreeSet;

@@ -16,7 +16,7 @@ use super::entries::heading_word;
 /// The length of a separator line.
 const SEPARATOR: usize = 80;
 
-/// The facts of all definitions, by kind, package and name. Pages with tables are left out.
+/// The facts of all definitions, by kind, package and name. Pages with tables are omitted.
 pub fn write(schema: &Schema) -> String {
     let mut text = String::new();
     for kind in [Kind::Message, Kind::Service, Kind::Action] {
@@ -156,7 +156,7 @@ mod tests {
 
     use super::*;
 
-    /// The facts of a field in a release, and what checks know: whether NaN is forbidden, and the known values.
+    /// The facts about a field, and the data that checks use: true if NaN is forbidden, and the known values.
     type Facts = (String, Option<(bool, Option<Vec<i128>>)>);
 
     fn schema(text: &str) -> Schema {
@@ -176,7 +176,7 @@ mod tests {
         message.fields.iter().map(facts).collect()
     }
 
-    /// The same facts, read from the release of a message.
+    /// The facts about the fields, read from the release of a message.
     fn fields_of_release(text: &str) -> Vec<Facts> {
         let release = write(&schema(text));
         fields(crate::release::entries(&release).next().expect("a message").text)

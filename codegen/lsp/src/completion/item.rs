@@ -5,12 +5,12 @@ use uavspec_schema::msg::attribute::ATTRIBUTES;
 use uavspec_schema::msg::constraint::CONSTRAINTS;
 use uavspec_schema::unit::UNITS;
 
-/// An item: its label, its kind, a short text and what it inserts.
+/// An item: its label, its kind, a short text and the inserted text.
 pub(crate) struct Item {
     pub(super) label: String,
     pub(super) kind: CompletionItemKind,
     pub(super) detail: String,
-    /// A snippet, if it isn't the label.
+    /// The snippet, if it differs from the label.
     pub(super) snippet: Option<String>,
 }
 

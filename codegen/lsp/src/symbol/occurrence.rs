@@ -3,7 +3,7 @@
 use uavspec_schema::source::Span;
 use uavspec_schema::{EventEnumRef, JsonMessageId, JsonTypeId, MessageId};
 
-/// A named thing.
+/// A named item.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Symbol {
     /// A message.
@@ -14,19 +14,19 @@ pub(crate) enum Symbol {
     Constant(MessageId, usize),
     /// The constants of a message that start with a prefix.
     Prefix(MessageId, String),
-    /// An error code of a package, which is given by its index.
+    /// An error code, by the index of its package and its number.
     ErrorCode(usize, u32),
     /// A type on a page.
     JsonType(JsonTypeId),
     /// A message on a page.
     JsonMessage(JsonMessageId),
-    /// An event of a package: the indices of the package, of the component, and of the event in it.
+    /// An event, by the indices of the package, of the component, and of the event in it.
     Event(usize, usize, usize),
-    /// An enum of the events of a package, which is given by its index.
+    /// An enum of events, by the index of its package and its location in the package.
     EventEnum(usize, EventEnumRef),
 }
 
-/// A place where a symbol is written.
+/// An occurrence of a symbol.
 #[derive(Clone, Debug)]
 pub(crate) struct Occurrence {
     pub(crate) symbol: Symbol,

@@ -11,12 +11,12 @@ use serde_json::{Value, json};
 use tempfile::TempDir;
 use uavspec_lsp::serve;
 
-/// A history that every message has.
+/// The history of every message.
 fn invented(message: &str, item: Option<&str>) -> Vec<String> {
     vec![format!("since 1.0: {message} {}", item.unwrap_or("whole"))]
 }
 
-/// The time limit for a message, however slow the computer is. It ends tests that would hang.
+/// The time limit for a message, which ends tests that would hang. Even slow computers don't reach it.
 const LIMIT: Duration = Duration::from_secs(600);
 
 /// An editor with a folder of files.
@@ -142,7 +142,7 @@ impl Editor {
         self.request(&format!("textDocument/{method}"), params)
     }
 
-    /// Sends a request about a place: a text of the document, with `^` at the cursor.
+    /// Sends a request about a position, given as a text of the document with `^` at the cursor.
     pub(super) fn at(
         &mut self,
         method: &str,
@@ -194,7 +194,7 @@ impl Editor {
         message
     }
 
-    /// Keeps the diagnostics in a message.
+    /// Stores the diagnostics in a message.
     fn keep(&mut self, message: &Message) {
         if let Message::Notification(Notification { method, params }) = message
             && method == "textDocument/publishDiagnostics"

@@ -61,7 +61,7 @@ fn editor() -> Editor {
     editor
 }
 
-/// The names of symbols, each after those above it.
+/// The names of symbols, each after the names of its parents.
 fn names(symbols: &Value, above: &str) -> Vec<String> {
     let mut found = Vec::new();
     for symbol in symbols.as_array().into_iter().flatten() {

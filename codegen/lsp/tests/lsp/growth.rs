@@ -8,7 +8,7 @@ use uavspec_lsp::serve;
 use uavspec_schema::Form;
 use uavspec_schema::msg::Dialect;
 
-/// The requests after each file is opened, in addition to those about a position.
+/// The requests after each file is opened, in addition to requests about a position.
 const WHOLE: [&str; 7] = [
     "documentSymbol",
     "foldingRange",

@@ -14,8 +14,8 @@ pub fn is_compressed(bytes: &[u8]) -> bool {
     bytes.starts_with(&MAGIC)
 }
 
-/// Decompresses event metadata, and verifies its checksum. Fails if the bytes are damaged, or if the result is longer than
-/// 1 MiB.
+/// Decompresses event metadata, and verifies its checksum. Fails if the bytes are corrupt, or if the result is longer
+/// than 1 MiB.
 pub fn decompress(bytes: &[u8]) -> io::Result<Vec<u8>> {
     let mut reader = XzReader::new_mem_limit(bytes, false, MAX_XZ_MEMORY);
     let mut text = Vec::new();

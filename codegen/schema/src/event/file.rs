@@ -12,10 +12,10 @@ use crate::name::is_identifier;
 use crate::source::{SourceId, SourceMap};
 use crate::span::Span;
 
-/// The number of characters that a mistake shows of a name that is too long.
+/// The number of shown characters of a name that is too long.
 const SHOWN_OF_NAME: usize = 20;
 
-/// The versions of the format that are known.
+/// The known versions of the format.
 const VERSIONS: [u32; 2] = [1, 2];
 
 /// A file with event metadata.
@@ -88,7 +88,7 @@ impl Parser {
         self.each(components, "components", Self::component)
     }
 
-    /// Reads each member of an object whose names are up to the author.
+    /// Reads each member of an object with arbitrary member names.
     fn each<'v, 's, T>(
         &mut self,
         value: &'v Value<'s>,
@@ -128,8 +128,8 @@ impl Parser {
         number
     }
 
-    /// Checks a name. An invalid name doesn't prevent reading, unless it is too long: each event states its
-    /// group, and each mistake its name.
+    /// Checks a name. An invalid name doesn't prevent reading, unless it is too long. Long names are rejected, because
+    /// each event repeats the name of its group, and each mistake repeats a name.
     fn name(
         &mut self,
         name: Option<Located>,
@@ -201,7 +201,7 @@ impl Parser {
         let is_bits = is_bits.unwrap_or_default();
         let mut entries = self
             .each_of(&members, "entries", |parser, key, member| parser.entry(key, member, scalar, is_bits));
-        // The first entry of a value counts.
+        // The first entry with a value is used.
         entries.sort_by_key(|entry| entry.value);
         let mut first: Option<EventEntry> = None;
         entries.retain(|entry| {
@@ -296,7 +296,7 @@ impl Parser {
         })
     }
 
-    /// The arguments. `None` if one of them can't be read, because the offsets of the later ones are unknown then.
+    /// The arguments. `None` if one of them can't be read, because the offsets of later arguments are then unknown.
     fn arguments(&mut self, value: &Value<'_>) -> Option<Vec<ArgumentSource>> {
         let list = self.reader.list(value, "arguments")?;
         let arguments: Vec<Option<ArgumentSource>> = list.iter().map(|value| self.argument(value)).collect();
@@ -313,10 +313,10 @@ impl Parser {
     }
 }
 
-/// The form of the names of events and arguments.
+/// The syntax of event and argument names.
 const NAME: &str = "letters, digits and `_`, and start with a letter";
 
-/// The form of the names of namespaces, groups and entries.
+/// The syntax of namespace, group and entry names.
 const LOWER_NAME: &str = "lower-case letters, digits and `_`, and start with a letter";
 
 fn is_lower_name(name: &str) -> bool {

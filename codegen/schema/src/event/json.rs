@@ -31,7 +31,7 @@ pub(super) struct Members<'v, 's> {
     /// A description of the object.
     what: &'static str,
     span: Span,
-    /// The known members, of which there are few.
+    /// The known members. There are few, so a list is sufficient.
     found: Vec<(&'v str, &'v Value<'s>)>,
 }
 
@@ -138,7 +138,7 @@ impl Reader {
         }
     }
 
-    /// An object with certain members. Reports members that are unknown or stated twice.
+    /// Reads an object with the given members. Reports unknown and duplicate members.
     pub(super) fn members<'v, 's>(
         &mut self,
         value: &'v Value<'s>,

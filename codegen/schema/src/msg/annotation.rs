@@ -37,7 +37,7 @@ pub struct Note<'s> {
 /// An annotation and its location.
 #[derive(Debug)]
 pub struct Annotation<'s> {
-    /// Its meaning.
+    /// The meaning.
     pub statement: Statement<'s>,
     /// The location, with its brackets.
     pub span: Span,

@@ -55,7 +55,7 @@ pub(super) fn parse(
             if let (Some(at), Some(part)) = (line.find('#'), parts.last_mut()) {
                 let (line, span) = (&line[at..], place.part(at..line.len()));
                 let comment = LineParser { line, span, at: 0, dialect, diagnostics: &mut diagnostics }.line();
-                // Without the blank line, it could become the comment of the part.
+                // Without the blank line, the comment could become the comment of the part.
                 part.lines.extend([Line::blank(span), comment]);
             }
             if parts.len() < expected {

@@ -82,7 +82,7 @@ impl<'s> Resolver<'s> {
     }
 }
 
-/// The name of a message without the affixes that rosidl accepts: those of the parts of services and actions.
+/// The name of a message without the affixes of parts of services and actions, which rosidl accepts.
 fn without_ros_affixes(stem: &str) -> &str {
     let name = stem.strip_prefix("Sample_").unwrap_or(stem);
     let suffixes = [Kind::Service, Kind::Action].into_iter().flat_map(Kind::part_suffixes);

@@ -110,7 +110,7 @@ impl Resolver {
         tables
     }
 
-    /// All rows except those that repeat a code. Each row has the index of its table.
+    /// All rows except rows that repeat a code. Each row has the index of its table.
     fn unique_rows<'t, 'p>(
         &mut self,
         tables: &'t [ErrorCodeTable<'p>],

@@ -16,7 +16,7 @@ use crate::span::Span;
 use crate::wording::similar;
 use crate::{Event, EventArgument, EventComponent, EventEnumRef, EventKind, Form};
 
-/// The maximum length of a message, in characters. From libevents' schema.
+/// The maximum length of a message, in characters, as in libevents' schema.
 const MAX_MESSAGE: usize = 120;
 
 impl<'s> Resolver<'s> {
@@ -40,7 +40,7 @@ struct Events {
     diagnostics: Vec<Diagnostic>,
     /// The index of each component, by namespace.
     by_namespace: HashMap<String, usize>,
-    /// The number of names that were compared to find similar ones.
+    /// The number of names that were compared to find similar names.
     compared: usize,
 }
 
@@ -56,7 +56,7 @@ impl Events {
     }
 
     fn resolve<'p>(&mut self, sources: impl Iterator<Item = &'p ComponentSource>) {
-        // Several files may state parts of a component.
+        // Several files may contain parts of a component.
         let mut by_id: BTreeMap<u8, Vec<&ComponentSource>> = BTreeMap::new();
         for source in sources {
             by_id.entry(source.id).or_default().push(source);
@@ -235,7 +235,7 @@ impl Events {
         Some((enums[index].scalar, Some(EventEnumRef { component, index })))
     }
 
-    /// Checks the syntax of a text. A text that is too long is dropped, because reading it would take long.
+    /// Checks the syntax of a text. An overlong text is dropped, because reading it would take too long.
     fn text(&mut self, source: &Located, count: usize) -> String {
         let length = source.text.len();
         if length > MAX_EVENT_TEXT {
@@ -248,7 +248,7 @@ impl Events {
         source.text.clone()
     }
 
-    /// Checks an event whose type or group has a meaning.
+    /// Checks an event whose type or group has a special meaning.
     fn check_kind(&mut self, event: &Event, source: &EventSource) {
         let group = event.group.as_str();
         let is_in_report = CHECK_GROUPS.contains(&group);
@@ -298,7 +298,7 @@ fn mistakes(text: Text<'_>, count: usize) -> Vec<String> {
     for piece in pieces {
         match piece {
             Piece::Plain(plain) => {
-                // A mistake at the start explains the end.
+                // A stray start character also explains a stray end character.
                 let stray = plain.chars().filter(|c| *c == '>' && !has_tag || *c == '}' && !has_brace);
                 found.extend(stray.map(|stray| {
                     format!("`{stray}` has no matching start; write `\\{stray}` for the character")

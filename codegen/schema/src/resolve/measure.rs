@@ -40,7 +40,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// True if messages are nested too deeply in a message, which is then reported.
+    /// True if messages are nested too deeply in a message. Reports the message in this case.
     fn is_too_deep(&mut self, index: usize, depth: u64) -> bool {
         let message = &self.schema.messages[index];
         if depth <= MAX_NESTING {

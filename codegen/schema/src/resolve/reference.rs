@@ -67,7 +67,7 @@ impl<'s> Resolver<'s> {
         found.1
     }
 
-    /// The message for a name that ROS 1 accepts without a package. rosidl does not.
+    /// Finds the message for a name that ROS 1 accepts without a package. rosidl rejects such names.
     fn well_known(&mut self, package: usize, short: &str, span: Span) -> Option<MessageId> {
         if self.schema.packages[package].form != Form::Msg(Dialect::Ros2) {
             return None;

@@ -22,7 +22,7 @@ pub(super) struct PendingEnum {
     pub(super) span: Span,
 }
 
-/// The owner, the prefixes, the type, and whether the values are masks.
+/// The owner, the prefixes, the type, and a flag that is true if the values are masks.
 type EnumKey = (MessageId, Vec<String>, Scalar, bool);
 
 #[derive(Default)]

@@ -61,7 +61,7 @@ pub struct Table {
     pub span: Span,
 }
 
-/// A row as written. The number of cells may differ from the header.
+/// A row as written. A row may have more or fewer cells than the header.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     /// The cells.

@@ -7,19 +7,19 @@
 /// characters, which are escaped anyway.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) enum Command {
-    /// Only white space precedes in this line.
+    /// So far, the line contains only white space.
     #[default]
     Start,
     /// The first character of the line is a colon.
     Colon,
-    /// The first characters of the line are two colons. A name starts with a letter. A third colon precedes the second
-    /// place of a diagnostic.
+    /// The first characters of the line are two colons. A letter or digit after the colons starts a name. A third colon
+    /// starts the second location of a diagnostic.
     Colons,
-    /// A number sign precedes.
+    /// The last character is a number sign.
     Hash,
-    /// Two number signs and perhaps letters precede.
+    /// The last characters are two number signs and optional letters.
     Name,
-    /// Anything else precedes.
+    /// Any other text.
     Text,
 }
 

@@ -11,7 +11,7 @@ use crate::characters::is_hidden;
 /// The start of a terminal sequence.
 pub(super) const ESCAPE: char = '\u{1b}';
 
-/// The maximum length of a style's sequence, in bytes. The longest one sets two colours and all effects.
+/// The maximum length of a style's sequence, in bytes. The longest style sets two colours and all effects.
 const MAX_STYLE_LEN: usize = 64;
 
 /// Escapes hidden characters and commands of CI systems in an output with several lines and without colours.
@@ -22,7 +22,7 @@ pub fn guarded(text: &str) -> Cow<'_, str> {
     let mut guarded = String::with_capacity(text.len() + 16);
     guarded.push_str(&text[..at]);
     let mut command = Command::default();
-    // The characters before decide which of the following start a command.
+    // Preceding characters determine which of the following characters start a command.
     text[..at].chars().for_each(|character| _ = must_escape(character, &mut command));
     text[at..].chars().for_each(|character| put(character, &mut command, &mut guarded));
     Cow::Owned(guarded)
@@ -52,7 +52,7 @@ struct Filter {
 impl Filter {
     fn push_all(&mut self, mut rest: &str, text: &mut String) {
         while let Some(character) = rest.chars().next() {
-            // Nearly all characters are in parts that stay as they are.
+            // Most characters are in parts that need no escapes.
             let length = match self.command {
                 Command::Text if self.style.is_empty() => {
                     rest.bytes().take_while(|byte| Command::is_plain(*byte)).count()
@@ -178,7 +178,7 @@ mod tests {
     #[test]
     fn escapes_commands_at_the_start_of_each_line() {
         assert_eq!(written(&[b"a ::x\n::error::y\n  ::z::"]), "a ::x\n::\\u{65}rror::y\n  ::\\u{7a}::");
-        // A terminal ignores styles, and so do CI systems that remove them.
+        // Terminals ignore styles when they print text, and some CI systems remove styles.
         assert_eq!(written(&[b"\x1b[1m::error::y"]), "\u{1b}[1m::\\u{65}rror::y");
         let second_place = "  ::: b.msg:2:1\n";
         assert_eq!(written(&[second_place.as_bytes()]), second_place);

@@ -12,8 +12,8 @@ pub fn parse<P: Parser>() -> P {
     parse_as(P::command(), |_, value| value.to_owned())
 }
 
-/// Like [`parse`], for a command whose texts were changed. `redact` receives an argument and its invalid value, and
-/// returns the value without secrets.
+/// Like [`parse`], for a command with changed texts. `redact` receives an argument and its invalid value, and returns
+/// the value without secrets.
 pub fn parse_as<P: Parser>(command: Command, redact: fn(&str, &str) -> String) -> P {
     let parsed = command.try_get_matches().and_then(|mut matches| P::from_arg_matches_mut(&mut matches));
     parsed.unwrap_or_else(|error| {
@@ -51,7 +51,7 @@ fn escaped(mut error: clap::Error, redact: fn(&str, &str) -> String) -> clap::Er
             ContextValue::Strings(texts) => {
                 Some((kind, ContextValue::Strings(texts.iter().map(|text| shown(text)).collect())))
             }
-            // A suggestion that repeats the argument helps nobody if the argument can't be shown.
+            // Drop suggestions that repeat an argument with characters that can't be shown.
             ContextValue::StyledStrs(texts) => {
                 let is_plain = |text: &&StyledStr| shown(&text.to_string()) == text.to_string();
                 Some((kind, ContextValue::StyledStrs(texts.iter().filter(is_plain).cloned().collect())))

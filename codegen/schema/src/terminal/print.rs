@@ -7,10 +7,10 @@ use std::sync::{Mutex, PoisonError};
 use super::guard::{ESCAPE, Guard};
 use super::shown::shown_up_to;
 
-/// The maximum length of an error message, in characters. It may contain several paths.
+/// The maximum length of an error message, in characters. A message may contain several paths.
 const MAX_PROBLEM: usize = 20_000;
 
-/// The first error of printing to standard output.
+/// The first error in printing to standard output.
 static UNPRINTED: Mutex<Option<io::Error>> = Mutex::new(None);
 
 /// Standard output, with colours if the terminal supports them.
@@ -73,7 +73,7 @@ pub fn error(problem: impl Display, help: Option<&str>) {
     print_error(format_args!("{text}"));
 }
 
-/// Prints a problem with help or with lines of untrusted text below it, which are marked.
+/// Prints a problem, followed by help or by marked lines of untrusted text.
 pub fn error_with_details(problem: impl Display) {
     let problem = problem.to_string();
     let lines = problem.lines().enumerate().map(|(index, line)| {

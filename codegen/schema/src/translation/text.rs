@@ -187,12 +187,12 @@ pub fn events_unit(package: &Package, component: &EventComponent) -> String {
     format!("{}/{}.events", package.name, component.namespace)
 }
 
-/// The key of an event's message, or of an enum's name, which is the prefix of the keys of its other texts.
+/// The key of an event's message, or of an enum's name. The keys of the other texts start with this key.
 pub fn event_key(package: &Package, component: &EventComponent, name: &str) -> String {
     format!("{}/{}::{name}", package.name, component.namespace)
 }
 
-/// The components of a package with translated texts. Texts without a translation stay as they are.
+/// The components of a package with translated texts. Texts without a translation stay unchanged.
 pub fn in_language(package: &Package, language: &Language) -> Vec<EventComponent> {
     let mut components = package.components.clone();
     let translate = |key: &str, text: &mut String| {

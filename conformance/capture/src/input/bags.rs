@@ -34,6 +34,6 @@ pub(super) fn group(files: &mut Files, from: usize) {
             Some(_) => {}
         }
     }
-    // These bags have no files. Their check reports this.
+    // Bags without files. Their check reports this.
     files.captures.extend(bags.into_keys().filter(|folder| !grouped.contains(folder)));
 }

@@ -11,10 +11,10 @@ pub trait Object: Debug + Send + Sync {
     /// The URL without its query.
     fn url(&self) -> &str;
 
-    /// The size in bytes, if the list states it.
+    /// The size in bytes, if the list contains it.
     fn size(&self) -> Option<u64>;
 
-    /// The version, if the list states it.
+    /// The version, if the list contains it.
     fn etag(&self) -> Option<&str>;
 
     /// Opens the object. `failure` receives the reason if reading fails.
@@ -24,7 +24,7 @@ pub trait Object: Debug + Send + Sync {
     fn open(&self, failure: &Failure) -> io::Result<Box<dyn Read + Send>>;
 }
 
-/// The objects that a URL denotes, and the others in its folder.
+/// The objects that a URL denotes, and the other objects in its folder.
 #[derive(Debug, Default)]
 pub struct Listed {
     /// The captures.
@@ -39,7 +39,7 @@ impl Listed {
         "no captures at this URL: expected a capture, a folder, or a list on a web server";
 }
 
-/// The reason why an object couldn't be read completely. A capture that ends early looks like a truncated one.
+/// The reason why an object couldn't be read completely. Without the reason, the capture would look truncated.
 #[derive(Clone, Debug, Default)]
 pub struct Failure(Arc<Mutex<Option<String>>>);
 

@@ -21,7 +21,7 @@ pub(super) enum Found {
     File(PathBuf),
     /// A link without a target.
     Dangling(PathBuf),
-    /// Something that has no content or that was found before, and the reason.
+    /// An entry that has no content or was found before, with the reason for skipping it.
     Skipped(PathBuf, &'static str),
     /// A folder or link that can't be read, and the reason.
     Unreadable(PathBuf, String),

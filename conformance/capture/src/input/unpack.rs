@@ -27,8 +27,8 @@ pub fn decompressed(mut input: impl Read + Send + 'static) -> io::Result<(Box<dy
     })
 }
 
-/// A reader whose first error repeats. Decoders return an error once, and then behave as if the data had ended. The part
-/// of a program that reads ahead doesn't report the error.
+/// A reader whose first error repeats. Decoders return an error once, and then behave as if the data had ended. Code
+/// that reads ahead would therefore lose the error.
 struct Lasting<R> {
     input: R,
     /// The start of the error's text.

@@ -1,4 +1,4 @@
-//! Compares what a file states about its content with the records that were read: its statistics and its indexes.
+//! Compares the statistics and indexes of a file with the records that were read.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::hash::{DefaultHasher, Hash, Hasher as _};
@@ -8,7 +8,7 @@ use mcap::records::{Record, Statistics, op};
 use super::Problem;
 use super::sound::Parts;
 
-/// A set of items, of which only the number and a checksum are stored. The order of the items doesn't matter.
+/// A set of items. Only their number and a checksum are stored. The order of the items doesn't matter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Tally {
     count: u64,
@@ -34,9 +34,9 @@ struct Indexed {
 /// The ids of declared schemas or channels.
 #[derive(Debug, Default)]
 pub(super) struct Ids {
-    /// Those in the data section.
+    /// The ids in the data section.
     in_data: BTreeSet<u16>,
-    /// Those in the whole file.
+    /// The ids in the whole file.
     all: BTreeSet<u16>,
 }
 
@@ -49,7 +49,7 @@ impl Ids {
     }
 }
 
-/// The records of a file, and what the file states about them.
+/// The records of a file, and the statistics and indexes that describe them.
 #[derive(Debug, Default)]
 pub(super) struct Census {
     pub(super) schemas: Ids,
@@ -134,7 +134,7 @@ impl Census {
         Some(())
     }
 
-    /// The differences between what the file states and the records that were read.
+    /// The differences between the file's statistics and indexes and the records that were read.
     pub(super) fn differences(&self) -> Vec<Problem> {
         let mut problems = Vec::new();
         for (noun, Indexed { found, listed }) in
@@ -164,7 +164,7 @@ impl Census {
             ("metadata records", (statistics.metadata_count.into(), self.metadata.found.count)),
             ("chunks", (statistics.chunk_count.into(), self.chunks.found.count)),
         ];
-        // Some writers state no channel.
+        // Some writers list no channels.
         let of_channels = statistics.channel_message_counts.iter().map(|(channel, stated)| {
             ("messages of a channel", (*stated, self.messages.get(channel).copied().unwrap_or_default()))
         });
@@ -181,8 +181,7 @@ fn place(body: &[u8]) -> Option<[u64; 2]> {
     Some([parts.u64()?, parts.u64()?])
 }
 
-/// The facts that the index states about a chunk: its offset, its length, the size of its records, and their compressed
-/// size.
+/// The facts in the index about a chunk: its offset, its length, the size of its records, and their compressed size.
 fn chunk_index(body: &[u8]) -> Option<[u64; 4]> {
     let mut parts = Parts(body);
     parts.take(16)?;
@@ -194,7 +193,7 @@ fn chunk_index(body: &[u8]) -> Option<[u64; 4]> {
     Some([offset, length, size, packed])
 }
 
-/// The numbers of records, as a file states them.
+/// The numbers of records, according to a file's statistics.
 fn statistics(body: &[u8]) -> Option<Statistics> {
     match mcap::parse_record(op::STATISTICS, body) {
         Ok(Record::Statistics(found)) => Some(found),

@@ -91,7 +91,7 @@ pub enum Problem {
         /// The opcode.
         opcode: u8,
     },
-    /// The footer states another start of the summary.
+    /// The footer states a wrong offset for the summary.
     SummaryStart {
         /// The offset in the footer.
         stated: u64,

@@ -93,8 +93,8 @@ impl<R: Read> Reader<R> {
         self.file.offset()
     }
 
-    /// The next problem or relevant record. All records are relevant, except the structure of the file, such as indexes.
-    /// A header is also that of another file, which follows the end of a file. `None` at the end.
+    /// The next problem or relevant record. All records are relevant except structural ones, such as indexes. Another
+    /// header belongs to a file that follows the end of the previous file. `None` at the end.
     ///
     /// Fails if the input can't be read. The caller may try again.
     #[allow(clippy::should_implement_trait)] // an iterator's items can't borrow from it
@@ -287,7 +287,7 @@ impl<R: Read> Reader<R> {
         };
         if let Some(problem) = problem {
             let is_whole = ahead.len() >= end;
-            // A record that starts within this one may extend beyond it.
+            // A record that starts within the current record may extend beyond it.
             self.file.require(end.saturating_add(LOOKAHEAD))?;
             let next = self.sound_record(1, end);
             match (next, problem) {

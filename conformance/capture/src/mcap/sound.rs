@@ -1,4 +1,4 @@
-//! Checks whether bytes may be a record, based on the lengths that they state.
+//! Checks whether bytes may be a record, based on the lengths in them.
 
 use std::collections::BTreeMap;
 
@@ -38,7 +38,7 @@ pub(super) fn can_be(opcode: u8, length: u64) -> bool {
         op::FOOTER => (FOOTER..=FOOTER + MAX_ADDED).contains(&length),
         op::DATA_END => (DATA_END..=DATA_END + MAX_ADDED).contains(&length),
         op::MESSAGE => (MESSAGE_FIXED..=MAX_RECORD).contains(&length),
-        // These records are read in parts, or skipped.
+        // Chunks and attachments are read in parts, or skipped.
         op::CHUNK | op::ATTACHMENT => length <= u64::MAX >> 1,
         _ => length <= MAX_RECORD,
     }

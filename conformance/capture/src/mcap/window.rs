@@ -13,10 +13,10 @@ pub(super) struct Window<R> {
     bytes: crate::window::Window<R>,
     /// The checksum of everything before the latest [`start_part`](Self::start_part) call.
     before: Hasher,
-    /// The checksum of the bytes from there to `summed`.
+    /// The checksum of the bytes from the latest `start_part` call to `summed`.
     part: Hasher,
-    /// The offset just after the last byte in a checksum. The bytes from there to the cursor are added later, in large
-    /// pieces: short pieces take much longer per byte.
+    /// The offset just after the last byte in a checksum. The bytes after this offset, up to the cursor, are added
+    /// later in large pieces: short pieces take much longer per byte.
     summed: u64,
 }
 
@@ -84,7 +84,7 @@ impl<R> Window<R> {
 
     /// Adds the bytes before the cursor to the checksum.
     fn sum(&mut self) {
-        // They are still in the buffer, so their number fits into a `usize`.
+        // The bytes are still in the buffer, so their number fits into a `usize`.
         let count = usize::try_from(self.offset() - self.summed).unwrap_or_default();
         self.part.update(self.bytes.behind(count));
         self.summed = self.offset();

@@ -16,7 +16,7 @@ pub use self::chunk::compressed;
 use self::record::{bytes, prefixed, record, text, texts};
 use super::{AttachmentHead, LIBRARY, MAGIC, Packing};
 
-/// The size of a chunk, in bytes. A larger chunk has fewer bytes in the summary, but readers need more memory.
+/// The size of a chunk, in bytes. With larger chunks, the summary is smaller, but readers need more memory.
 const CHUNK_SIZE: usize = 4 << 20;
 
 /// The size of the buffer for copied attachments, in bytes. It contains the head of each attachment.
@@ -71,7 +71,7 @@ struct Counts {
     chunks: u32,
     attachments: u32,
     metadata: u32,
-    /// The messages of each channel.
+    /// The number of messages of each channel.
     messages: BTreeMap<u16, u64>,
 }
 
@@ -238,7 +238,7 @@ impl<W: Write> Writer<W> {
         self.put(stored)?;
         self.index_chunk((offset, records.len(), stored.len()))?;
         records.clear();
-        // A large message doesn't keep its memory.
+        // Releases the memory of a large message.
         records.shrink_to(2 * CHUNK_SIZE);
         self.chunk.records = records;
         Ok(())

@@ -22,7 +22,7 @@ const ROOT: &str = "rosbag2_bagfile_information";
 /// The key of the list of topics.
 const TOPICS: &str = "topics_with_message_count";
 
-/// Texts of which the metadata of a bag contains at least one, even if parts are corrupt.
+/// The metadata of a bag contains at least one of these texts, even if parts are corrupt.
 const MARKS: [&str; 3] = [ROOT, TOPICS, FILES];
 
 /// The key of the list of files.
@@ -46,7 +46,7 @@ pub struct Metadata {
     pub file_counts: BTreeMap<String, u64>,
     /// The number of messages of each topic.
     pub topic_counts: BTreeMap<String, u64>,
-    /// The encodings of the topics' messages. rosbag2 prefers them to those in `SQLite` files.
+    /// The encodings of the topics' messages. rosbag2 prefers them to the encodings in `SQLite` files.
     pub encodings: BTreeMap<String, String>,
     /// The parts that can't be read.
     pub problems: Vec<String>,
@@ -60,8 +60,8 @@ struct Entry {
     count: Option<u64>,
 }
 
-/// The ROS distribution in the metadata that rosbag2 writes into the files of a bag. They have the form of
-/// `metadata.yaml`, without its only entry.
+/// The ROS distribution in the metadata that rosbag2 writes into the files of a bag. This metadata is a `metadata.yaml`
+/// without its root key.
 pub fn distribution(text: &str) -> Option<String> {
     let value = text.lines().find_map(|line| line.strip_prefix("ros_distro:"))?;
     Some(value.trim().trim_matches(['"', '\'']).to_owned())
@@ -208,7 +208,7 @@ impl Metadata {
         }
     }
 
-    /// Takes the entry that ends here, if it is one of a list of topics or files.
+    /// Takes the entry that ends here, if it belongs to a list of topics or files.
     fn end(&mut self, levels: &[Level], entry: &mut Entry) {
         let is_topic = match keys(levels)[..] {
             [ROOT, TOPICS, ""] => true,

@@ -3,7 +3,7 @@
 //! # Untrusted files
 //!
 //! `SQLite` executes parts of a file: views, triggers, virtual tables and generated columns. The reader accepts
-//! ordinary tables only, opens the file read-only and immutable, and bounds the size of all values, the memory of
+//! ordinary tables only, and opens the file read-only and immutable. It bounds the size of all values, the memory of
 //! `SQLite`, and the work between two messages. `SQLite` never writes to the folder of the file.
 //!
 //! # Corrupt files
@@ -111,7 +111,7 @@ pub struct Topic {
     pub ty: String,
     /// The encoding of the messages, such as `cdr`.
     pub encoding: String,
-    /// The type hash; empty if the bag states none.
+    /// The type hash; empty if the bag contains none.
     pub hash: String,
 }
 
@@ -124,7 +124,7 @@ pub struct Definition {
     pub encoding: String,
     /// The text.
     pub text: String,
-    /// The type hash; empty if the bag states none.
+    /// The type hash; empty if the bag contains none.
     pub hash: String,
 }
 
@@ -132,13 +132,12 @@ pub struct Definition {
 /// that has this type.
 #[derive(Debug, Default)]
 pub struct Facts<T> {
-    /// The facts by the type and the type hash of the definition. The flag is true if the text has this hash.
+    /// The facts by the type and the type hash of the definition. The flag is true if the hash matches the text.
     by_type: HashMap<String, BTreeMap<String, (bool, T)>>,
 }
 
 impl<T> Facts<T> {
-    /// Adds a fact about the definition of a type. `is_verified` is true if the text of the definition has the type
-    /// hash that the bag states for it.
+    /// Adds a fact about the definition of a type. `is_verified` is true if the type hash in the bag matches the text.
     pub fn add(&mut self, ty: &str, hash: &str, is_verified: bool, fact: T) {
         self.by_type.entry(ty.to_owned()).or_default().insert(hash.to_owned(), (is_verified, fact));
     }
@@ -146,10 +145,10 @@ impl<T> Facts<T> {
     /// The fact about the definition of a topic's messages.
     pub fn of(&self, topic: &Topic) -> Option<&T> {
         let facts = self.by_type.get(&topic.ty)?;
-        // Files from before the type hashes, and some later ones, have no hash in one of the tables.
+        // Old files, and some newer files, lack the hash in one of the tables.
         let (_, fact) = facts.get(&topic.hash).or_else(|| facts.get("")).or_else(|| {
-            // Without the hash of the topic, nothing shows which of several definitions applies. A text that lacks its
-            // hash may be incomplete.
+            // Without the hash of the topic, it is unknown which of several definitions applies. A text without a
+            // matching hash may be incomplete.
             let only = facts.values().next().filter(|_| topic.hash.is_empty() && facts.len() == 1);
             only.filter(|(is_verified, _)| *is_verified)
         })?;
@@ -229,7 +228,7 @@ impl Bag {
         Ok(self.connection.progress_handler(INSTRUCTIONS, Some(is_exceeded))?)
     }
 
-    /// The ROS distribution that recorded the bag; empty if unknown. Old bags don't state it.
+    /// The ROS distribution that recorded the bag; empty if unknown. Old bags don't contain it.
     pub fn distribution(&self) -> String {
         let mut distribution = String::new();
         let take = |row: &Row<'_>| {
@@ -380,7 +379,7 @@ impl Bag {
         let (mut blob, mut buffer, mut total) = (None, Vec::new(), 0_u64);
         while let Some(row) = rows.next()? {
             self.used.store(0, Ordering::Relaxed);
-            // Values of another type are those of no topic.
+            // A value of another type belongs to no topic.
             let topic = row.get_ref(1)?.as_i64().unwrap_or(i64::MIN);
             let time = row.get_ref(2)?.as_i64().unwrap_or_default();
             let payload = self.payload(row.get(0)?, &mut blob, &mut buffer);
@@ -405,7 +404,7 @@ impl Bag {
         buffer: &mut Vec<u8>,
     ) -> Result<(), String> {
         let unreadable = |error: rusqlite::Error| format!("the message is unreadable: {error}");
-        // A blob whose row can't be opened is of no further use.
+        // A blob can't be reused once its row couldn't be opened.
         let reopened = blob.take().and_then(|mut blob| blob.reopen(row).is_ok().then_some(blob));
         let opened = match reopened {
             Some(opened) => opened,
@@ -473,7 +472,7 @@ impl Bag {
     }
 }
 
-/// The problem of a table that can be read in several ways.
+/// The problem of a database whose messages are larger than the file.
 fn too_many() -> Problem {
     Problem::gap("the messages are larger than the file: the database is corrupt")
 }

@@ -277,7 +277,7 @@ impl Log {
         // The cause is reported instead.
         format.reported = Some(FormatProblem::Empty);
         self.known = 0;
-        // Hostile logs declare thousands of formats again without data in between.
+        // Hostile logs redeclare thousands of formats without data in between.
         if std::mem::take(&mut self.has_bindings) {
             for subscription in self.subscriptions.iter_mut().flatten() {
                 subscription.binding = Binding::STALE;

@@ -161,7 +161,7 @@ impl Problem {
             | Self::ShortHeader { .. }
             | Self::UnknownIncompatible(_)
             | Self::Skipped { .. }
-            // Such a message may have been one of a known kind.
+            // The kind of such a message may be corrupt.
             | Self::UnknownKind(_)
             | Self::Malformed { .. } => Extent::WithGaps,
             Self::AppendedBeyondEnd(_)

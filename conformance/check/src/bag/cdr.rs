@@ -86,8 +86,8 @@ impl CdrChecker {
         }
     }
 
-    /// The fields that are checked, and all fields of the messages. If the schema in the file differs from the definition,
-    /// only the fields that they share are checked.
+    /// The fields that are checked, and all fields of the messages. If the schema in the file differs from the
+    /// definition, only the shared fields are checked.
     pub(super) fn fields(&self, definitions: &Definitions) -> Share {
         let message_type = self.source.message_type(definitions);
         let num_fields = message_type.fields().len() as u64;

@@ -1,4 +1,4 @@
-//! The facts in a bag that show its release.
+//! The facts in a bag that indicate its release.
 
 use std::collections::HashMap;
 use std::fs::File;
@@ -26,7 +26,7 @@ use crate::topic::{full_name, plain};
 /// The length of an MCAP file's footer record with the magic at the end of the file, in bytes.
 const FOOTER: usize = 9 + 20 + 8;
 
-/// Reads the declarations in an MCAP file: from its summary, if this shows all types, or otherwise from its start.
+/// Reads the declarations in an MCAP file: from its summary, if it shows all types, or otherwise from its start.
 pub(super) fn mcap(source: &mut Source<'_>) -> Clues {
     let summary = source.file.and_then(summary).map(declarations).unwrap_or_default();
     let summary = Clues { distribution: source.file.and_then(indexed_distribution), ..summary };
@@ -38,13 +38,13 @@ pub(super) fn mcap(source: &mut Source<'_>) -> Clues {
     {
         return summary;
     }
-    // The messages at the start show the sizes of types without a hash.
+    // The messages at the start indicate the sizes of types without a hash.
     let mut clues = declarations(&mut *source.bytes);
     merge(&mut clues, summary);
     clues
 }
 
-/// Adds the facts in another part of a bag. Each part may show the hash or the size of a type, or neither.
+/// Adds the facts in another part of a bag. Each part may contain the hash or the size of a type, or neither.
 pub(super) fn merge(clues: &mut Clues, others: Clues) {
     for (name, versions) in others.topic_versions {
         clues.topic_versions.entry(name).or_default().extend(versions);
@@ -101,7 +101,7 @@ fn record_head(input: &mut impl Read) -> Option<(u8, u64)> {
     Some((opcode, u64::from_le_bytes(length)))
 }
 
-/// The ROS distribution that the body of a metadata record states. rosbag2 writes such records.
+/// The ROS distribution in the body of a metadata record. rosbag2 writes such records.
 fn stated_distribution(body: &[u8]) -> Option<String> {
     let (_, values) = metadata(body).filter(|(name, _)| name == "rosbag2")?;
     let in_yaml = || distribution(values.get("serialized_metadata")?);
@@ -140,7 +140,7 @@ fn declarations(input: impl Read) -> Clues {
     let mut room = MAX_SCHEMAS;
     // The types of channels whose schema is empty.
     let mut unknown: HashMap<u16, String> = HashMap::new();
-    // The topics and types of JSON channels without a message that has keys.
+    // The topics and types of JSON channels without a non-empty message.
     let (mut json, mut found) = (HashMap::new(), Found::default());
     while let Ok(Some(item)) = reader.next() {
         match item.event {
@@ -196,7 +196,7 @@ fn declarations(input: impl Read) -> Clues {
         }
     }
     let mut in_json = found.into_clues();
-    // The facts of CDR channels decide.
+    // The facts in CDR channels take precedence.
     in_json.types.retain(|name, _| !clues.types.contains_key(name));
     merge(&mut clues, in_json);
     clues
@@ -268,7 +268,7 @@ fn add_version(clues: &mut Clues, topic: &str, name: &str) {
     }
 }
 
-/// True if the text of a definition in a `SQLite` file has the type hash that the file states for it.
+/// True if the text of a definition in a `SQLite` file matches the type hash in the file.
 pub(super) fn has_its_hash(definition: &Definition) -> bool {
     let is_stated = |hash: String| hash.eq_ignore_ascii_case(&definition.hash);
     !definition.hash.is_empty() && definition_hash(definition).is_some_and(is_stated)
@@ -280,8 +280,8 @@ fn definition_hash(definition: &Definition) -> Option<String> {
     is_read.then(|| schema_hash(&definition.ty, definition.text.as_bytes())).flatten()
 }
 
-/// The type hash of a schema. The hash of a type that ROS 2 derives from a service or an action isn't that of a definition.
-/// rosbag2 writes an empty schema for types whose definitions it can't find.
+/// The type hash of a schema. The hash of a type that ROS 2 derives from a service or an action isn't the hash of a
+/// definition. rosbag2 writes an empty schema for types whose definitions it can't find.
 fn schema_hash(name: &str, text: &[u8]) -> Option<String> {
     if text.is_empty() || derived_from(&plain(name)).is_some() {
         return None;

@@ -49,7 +49,7 @@ impl<'s> Comparing<'s> {
                 continue;
             };
             let is_listed = |required: &Vec<Value>| required.iter().any(|name| *name == field.name.as_str());
-            // Without a list, the schema doesn't state which fields may be absent.
+            // Without a list, the schema doesn't specify which fields may be absent.
             let is_required = required.is_none_or(is_listed);
             if !is_required {
                 differences.optional.push(field.name.clone());
@@ -68,7 +68,7 @@ impl<'s> Comparing<'s> {
                 shared.insert(field.name.clone(), is_required);
             }
         }
-        // The length of an array that differs isn't known, so a count of its entries may exceed the defined length.
+        // If an array differs, its length isn't known, so a count of its entries may exceed the defined length.
         for field in &message.fields {
             let array = field.counts.and_then(|array| message.fields.get(array));
             if array.is_some_and(|array| !shared.contains_key(&array.name)) {
@@ -201,7 +201,7 @@ fn element_type(field: &Field) -> &'static str {
     }
 }
 
-/// The types that a schema states.
+/// The types that a schema allows.
 fn stated(found: &Value) -> Option<String> {
     match found.get("type")? {
         Value::String(name) => Some(name.escape_debug().to_string()),

@@ -58,7 +58,7 @@ impl<'d> LiveBag<'d> {
         Self { channels, file: McapFile::default() }
     }
 
-    /// Checks a record. Like those in a compressed chunk, it is located by the number of the message.
+    /// Checks a record. As in a compressed chunk, its location is the number of the message.
     pub fn record(&mut self, event: Event<'_>) {
         let item = Item { offset: 0, packing: Some(Packing::Lz4), event };
         self.file.item(&mut self.channels, item);
@@ -124,7 +124,7 @@ impl<'c> McapFile<'c> {
         let place = |other: Location| if has_offset { byte } else { other };
         match item.event {
             Event::Header { profile, library } => {
-                // Another file may follow the end of a file. Its ids are its own.
+                // Another file with its own ids may follow the end of a file.
                 *self = Self { num_endpoints: self.num_endpoints, ..Self::named(self.name) };
                 (self.profile, self.library) = (shortened(&profile), shortened(&library));
             }

@@ -98,10 +98,11 @@ pub enum Basis {
     TooLong,
     /// Messages of the defined type aren't supported; contains the reason. The channel wasn't checked.
     Unusable(String),
-    /// Neither a usable schema nor a type hash shows the release. Several definitions have messages of this size, or
-    /// none has. The channel wasn't checked.
+    /// Neither a usable schema nor a type hash indicates the release. Several definitions have messages of this size,
+    /// or none has. The channel wasn't checked.
     Undecided,
-    /// There is no usable schema, and the type hash is not that of the definition. The channel wasn't checked.
+    /// There is no usable schema, and the type hash differs from the hash of the definition. The channel wasn't
+    /// checked.
     OtherHash,
     /// The channels have too many fields. This channel wasn't checked.
     TooMany,
@@ -150,7 +151,7 @@ impl Basis {
                     .to_owned(),
             ),
             Self::OtherHash => Some(
-                "not checked: there is no usable schema, and the type hash is not that of the definition".to_owned(),
+                "not checked: there is no usable schema, and the type hash differs from the definition".to_owned(),
             ),
             Self::TooMany => Some("not checked: the channels have too many fields".to_owned()),
         }
@@ -190,7 +191,7 @@ pub(super) enum Reading {
     Cdr(Box<CdrChecker>),
     /// JSON. Contains the only fields to check, if the schema of the channel differs from the definition.
     Json(MessageId, Option<Rc<SharedFields>>),
-    /// JSON. The name of the channel suggests a type. The first message with keys decides whether it has this type.
+    /// JSON. The name of the channel suggests a type. The first non-empty message decides whether it has this type.
     Guess(MessageId, Box<Declared>),
 }
 
@@ -242,7 +243,7 @@ impl Open {
     pub(super) fn compared(&self) -> ComparedTopic<'_> {
         let is_equal = match &self.status {
             CheckStatus::Checked(Basis::Compared(comparison)) => **comparison == Comparison::Equal,
-            // The hash or the size of the messages is that of the definition.
+            // The hash or the size of the messages matches the definition.
             CheckStatus::Checked(Basis::NoSchema | Basis::OnlyName | Basis::Encoding(_)) => true,
             _ => false,
         };
@@ -295,7 +296,7 @@ impl Open {
         if other_cdr > 0 {
             result = result.max(PartResult::Unsupported);
         }
-        // Only messages that don't show the type of their channel are decoded but not checked.
+        // Only messages that don't indicate the type of their channel are decoded but not checked.
         if decoded > checked {
             result = result.max(PartResult::Keyless);
         }

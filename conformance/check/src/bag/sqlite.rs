@@ -42,7 +42,7 @@ fn check_sqlite(mut source: Source<'_>, run: CheckRun<'_>) -> CaptureResult {
     })
 }
 
-/// Checks the readable part of a `SQLite` file. Returns the size of the file, and the ROS distribution that it states.
+/// Checks the readable part of a `SQLite` file. Returns the size of the file, and the ROS distribution in it.
 pub(super) fn read_source(
     source: &mut Source<'_>,
     bag: &mut Channels<'_>,
@@ -60,7 +60,7 @@ pub(super) fn read_source(
 
 /// A copy of a file in the folder for temporary files. If the run is killed, the next run removes the copy.
 pub(crate) struct CopiedFile {
-    /// Dropped first: it is in the temporary folder.
+    /// Dropped before the temporary folder that contains it.
     file: NamedTempFile,
     _stage: Stage,
 }
@@ -102,7 +102,7 @@ pub(crate) fn copy(source: &mut dyn Read) -> (Option<CopiedFile>, Option<(Locati
     (Some(copy), None)
 }
 
-/// Reads a file, and calls `on_open` when it is open. Returns the size of the file, and the ROS distribution that it states.
+/// Reads a file, and calls `on_open` when it is open. Returns the size of the file, and the ROS distribution in it.
 fn read(path: &Path, on_open: &dyn Fn(), bag: &mut Channels<'_>, file: BagFile<'_>) -> (u64, String) {
     let mut distribution = String::new();
     let size = fs::metadata(path).map_or(0, |metadata| metadata.len());

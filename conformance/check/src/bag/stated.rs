@@ -1,8 +1,8 @@
 //! Reads the types that a file declares in the `ros2msg` format.
 //!
 //! The text of the type itself comes first. Before the text of each nested type, there is a line of `=` characters and
-//! a line with the type's name, `MSG: package/Name`. For types that ROS 2 derives from a service or an action, there is the
-//! text of the service or the action instead, alone or after a line `SRV: package/srv/Name`.
+//! a line with the type's name, `MSG: package/Name`. Types that ROS 2 derives from a service or an action have the text
+//! of the service or the action instead. This text is alone, or follows a line `SRV: package/srv/Name`.
 //!
 //! Comments are removed first: they aren't part of a type, and may contain annotations that refer to missing
 //! messages.
@@ -154,13 +154,12 @@ fn files<'t>(name: &'t str, text: &'t str) -> Result<Vec<File<'t>>, String> {
     Ok(files)
 }
 
-/// True if the text is that of a service or an action.
+/// True if the text defines a service or an action.
 fn has_parts(text: &str) -> bool {
     text.lines().any(|line| line.trim_end() == "---")
 }
 
-/// The definitions of ROS 2 that files refer to but that none of them contains, as a text, with the definitions that they
-/// contain.
+/// The text of the ROS 2 definitions that files refer to but don't contain, including nested definitions.
 fn missing(files: &[File<'_>]) -> String {
     let known: BTreeSet<_> = files.iter().map(|file| (file.package, file.name)).collect();
     let referred = files.iter().flat_map(|file| file.text.lines()).filter_map(|line| {

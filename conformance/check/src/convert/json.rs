@@ -28,22 +28,22 @@ use crate::{definition_of, definition_of_json, is_flockwave, is_guess, shows_typ
 struct Channel<'p> {
     definition: Option<MessageId>,
     topic: Topic<'p>,
-    /// True if the definition is known, or if a stated type or a message with keys showed that there is none.
+    /// True if the definition is known, or if a stated type or a non-empty message showed that there is none.
     is_decided: bool,
-    /// True if a message had a definition or keys, so that a type that is stated later doesn't apply.
+    /// True if a message had a definition or wasn't empty. A type that is stated later then doesn't apply.
     is_final: bool,
     /// The number of messages that were copied.
     copied: u64,
 }
 
-/// The part of a value that shows the definition of a topic.
+/// The part of a value that indicates the definition of a topic.
 #[derive(Clone, Copy)]
 enum Evidence<'v> {
-    /// A message with keys.
+    /// A non-empty message.
     Message(&'v Tree<'v>),
-    /// The type that an operation states.
+    /// The type in an operation.
     Type(&'v str),
-    /// An operation without a type, or a message without keys. It shows only the name of the topic or type.
+    /// An operation without a type, or an empty message. It contains only the name of the topic or type.
     Name,
 }
 
@@ -198,7 +198,7 @@ impl<'p, 'o> Stream<'p, 'o> {
         let Ok(at) = self.open((NameKind::Topic, topic), evidence) else { return self.write(value.text) };
         let channel = &self.channels[at];
         let name = channel.topic.report.renamed.as_deref().map(quoted);
-        // The type may be stated only after the first message with keys, which may show another type.
+        // The type may be stated only after the first non-empty message, which may show another type.
         let is_same =
             |ty: &&str| definition_of(topic, Some((ty, ROS)), self.plan.source()) == channel.definition;
         let ty = ty.filter(is_same).and_then(|ty| channel.topic.renamed_type(ty, self.plan));
@@ -207,8 +207,8 @@ impl<'p, 'o> Stream<'p, 'o> {
         self.write(&line)
     }
 
-    /// The index of a topic or a type. The type that is stated before the first message with keys applies. If none is
-    /// stated, this message decides.
+    /// The index of a topic or a type. A type stated before the first non-empty message applies. Otherwise, this
+    /// message decides.
     fn open(&mut self, (kind, name): (NameKind, &str), evidence: Evidence<'_>) -> Result<usize, String> {
         if name.len() > MAX_NAME {
             return Err(format!("the name of the topic or type is longer than {MAX_NAME} bytes"));
@@ -311,7 +311,7 @@ impl Channel<'_> {
     fn finish(self) -> TopicReport {
         let mut report = self.topic.finish();
         if self.copied > 0 && report.action != Action::Copied {
-            // Messages with keys are copied only if all later messages are copied.
+            // Non-empty messages are copied only if all later messages are copied.
             let copied = format!("copied: {} without keys", plural(self.copied, "message"));
             let reasons = report.reason.into_iter().chain([copied]);
             report.reason = Some(reasons.collect::<Vec<_>>().join("; "));
@@ -320,8 +320,8 @@ impl Channel<'_> {
     }
 }
 
-/// Finds the definition of a topic or a type, as `uavspec check` does. `None` if there is only a name that other programs
-/// use as well.
+/// Finds the definition of a topic or a type, as `uavspec check` does. `None` if only the name matches, and other
+/// programs use this name as well.
 fn find(
     (kind, name): (NameKind, &str),
     evidence: Evidence<'_>,

@@ -35,7 +35,7 @@ type Content<'s> = (Cow<'s, str>, Cow<'s, str>, Cow<'s, [u8]>);
 enum Origin {
     /// The schema of the input with this id.
     Input(u16),
-    /// A message of the target, as its definition.
+    /// The definition of this message of the target.
     Target(MessageId),
     /// A message of the target, in the encoding of this schema of the input.
     Json(MessageId, u16),
@@ -62,7 +62,7 @@ struct Channel<'p> {
     guess: Option<Box<Guess>>,
 }
 
-/// A JSON channel whose name suggests a type. The first message with keys decides whether it has this type.
+/// A JSON channel whose name suggests a type. The first non-empty message decides whether it has this type.
 struct Guess {
     message_id: MessageId,
     declared: Declared,
@@ -360,14 +360,14 @@ impl<'p, 'o> Stream<'p, 'o> {
             && let Some(channel) = self.channels.get_mut(usize::from(id)).and_then(Option::as_deref_mut)
         {
             let limit = MAX_WAITING >> 20;
-            let reason = format!("more than {limit} MiB of messages precede the first one with keys");
+            let reason = format!("more than {limit} MiB of messages precede the first non-empty one");
             channel.topic.report.reason.get_or_insert(reason);
         }
         Ok(problem)
     }
 
-    /// Declares a channel whose guess is decided, and writes its messages so far. They follow later messages of other
-    /// channels. Does nothing if the channel has no guess. Returns the problem if the channel is left out.
+    /// Declares a channel whose guess is decided, and writes its messages so far, which then follow later messages of
+    /// other channels. Does nothing if the channel has no guess. Returns the problem if the channel is left out.
     fn decide(&mut self, at: usize, definition: Option<MessageId>) -> Result<Option<String>, Error> {
         let channel = self.channels.get_mut(at).and_then(Option::as_deref_mut);
         let Some(guess) = channel.and_then(|channel| channel.guess.take()) else { return Ok(None) };
@@ -487,7 +487,7 @@ fn content<'s>(plan: &Plan, schemas: &'s HashMap<u16, Schema>, origin: Origin) -
             if encoding == "ros2msg" {
                 return Some(definition(message));
             }
-            // Other encodings can't be written. An empty text states nothing.
+            // Other encodings can't be written. An empty text has no meaning.
             let has_text = encoding == "jsonschema" && !text.is_empty();
             let text = if has_text { json_schema::text(plan.target_schema(), message) } else { Vec::new() };
             Some((plan.target_type(message).0.into(), encoding.into(), text.into()))
@@ -524,7 +524,7 @@ fn treatment<'p>(
     let treatment = match encoding.as_str() {
         "cdr" => match stated_type(stated, metadata, id, definitions) {
             StatedType::Other => plan.differs(id),
-            // Only the type shows the fields of a CDR message.
+            // Only the type describes the fields of a CDR message.
             StatedType::Unknown if plan.is_release_unknown(id) => Plan::unknown_release(),
             StatedType::Same | StatedType::Unknown => plan.treatment(id, topic, converters),
         },

@@ -26,7 +26,7 @@ pub struct Plan {
     source: Arc<Definitions>,
     target: Arc<Definitions>,
     release: LoadedRelease,
-    /// True if the user names the release of the capture.
+    /// True if the user specifies the release of the capture.
     is_source_named: bool,
     /// The conversions of each package of the source, by its index.
     packages: BTreeMap<usize, Package>,
@@ -62,8 +62,8 @@ pub(crate) struct Converted<'p> {
 /// topics.
 #[derive(Default)]
 pub(super) struct Converters<'p> {
-    /// The conversions by the message of the capture and the two messages of the conversion, which may be that of a
-    /// twin.
+    /// The conversions by the message of the capture and the two messages of the conversion. The conversion may belong
+    /// to a twin.
     by_messages: HashMap<(MessageId, MessageId, MessageId), Rc<Converted<'p>>>,
 }
 
@@ -184,7 +184,7 @@ impl Plan {
         self.packages.contains_key(&self.source.schema.message(id).package)
     }
 
-    /// True if neither the capture nor the user shows the release of messages of this type without a schema.
+    /// True if neither the capture nor the user indicates the release of messages of this type without a schema.
     pub(super) fn is_release_unknown(&self, id: MessageId) -> bool {
         !self.is_source_named && self.source.is_undecided(id)
     }
@@ -245,8 +245,8 @@ impl Plan {
         Treatment::Convert(Rc::clone(converters.by_messages.entry(messages).or_insert_with(compile)))
     }
 
-    /// The treatment of messages of a type that has no conversion. Events of services have none, but most services stay
-    /// the same.
+    /// The treatment of messages of a type that has no conversion. Service events have no conversion, but most services
+    /// are unchanged.
     fn without_conversion(&self, message: &Message) -> Treatment<'_> {
         let name = ros_name(&self.source.schema, message);
         match self.target.message_of_type(&name).map(|id| self.target.schema.message(id)) {
@@ -300,8 +300,8 @@ impl Plan {
     }
 
     /// The name of a topic in the target. The only topic of a message is renamed with the message, unless both releases
-    /// have this topic, or the source has the new topic as well. All other topics keep their names, since the definitions
-    /// don't show which topic of several replaced another.
+    /// have this topic, or the source has the new topic as well. All other topics keep their names, since the
+    /// definitions don't indicate which topic of several replaced another.
     fn counterpart<'t>(&self, topic: &'t str, source: &Message, target: &'t Message) -> &'t str {
         let is_renamed = source.name != target.name && source.topics == [topic];
         let is_known = target.topics.iter().any(|known| known == topic);

@@ -1,8 +1,8 @@
 //! A fast path for status reports without new findings. Nearly all status reports take this path.
 //!
 //! The fast path reads a line in one pass, without building a tree, and compares each value with its schema. Lines with
-//! implausible values take the general path. Besides these comparisons, only a few properties determine the findings in
-//! a report: its version and, for each state, the present fields, the null fields, and the text of the error codes
+//! implausible values take the general path. Apart from these comparisons, only a few properties determine the findings
+//! in a report: its version and, for each state, the present fields, the null fields, and the text of the error codes
 //! ([`Kind`]).
 //!
 //! Nearly all lines and states have the [form](Forms) of an earlier one. The text between their values is then compared

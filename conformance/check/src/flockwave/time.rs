@@ -10,7 +10,7 @@ const TOO_LATE: f64 = 1e11;
 /// The smaller units, as parts of a second.
 const UNITS: [f64; 3] = [1e3, 1e6, 1e9];
 
-/// A time in seconds since 1970. `None` if the value isn't a time, or isn't unambiguous: a date without a time zone.
+/// A time in seconds since 1970. `None` if the value isn't a time, or is ambiguous, such as a date without a time zone.
 pub(super) fn seconds(value: &Tree<'_>) -> Option<f64> {
     match value {
         #[allow(clippy::cast_precision_loss)] // times are small enough
@@ -25,7 +25,7 @@ pub(super) fn seconds(value: &Tree<'_>) -> Option<f64> {
 pub(super) fn of_number(value: f64) -> Option<f64> {
     // Small negative numbers would be rounded to 0.
     let is_plausible = |seconds: &f64| value >= 0.0 && *seconds < TOO_LATE;
-    // A float can't hold nanoseconds since 1970, but microseconds.
+    // A float can hold microseconds since 1970, but not nanoseconds.
     let smaller = UNITS.into_iter().map(|unit| (value / unit * 1e6).round() / 1e6);
     std::iter::once(value).chain(smaller).find(is_plausible)
 }

@@ -1,4 +1,4 @@
-//! The facts in JSON messages that show their release.
+//! The facts in JSON messages that indicate their release.
 
 use std::collections::{BTreeMap, HashMap};
 use std::io::Read;
@@ -20,7 +20,7 @@ use crate::topic::{full_name, shows_type, topic_of};
 /// The maximum number of values in a row that show nothing new.
 const MAX_KNOWN: u32 = 200;
 
-/// Reads the first message with keys of each topic and type.
+/// Reads the first non-empty message of each topic and type.
 pub(super) fn clues(source: &mut Source<'_>) -> Clues {
     let mut reader = Reader::new(source.bytes.take(MAX_CLUE_BYTES));
     let (mut found, mut is_first, mut known_in_a_row) = (Found::default(), true, 0);
@@ -67,7 +67,7 @@ pub(crate) struct Found {
 }
 
 impl Found {
-    /// Adds a message of a JSON channel in a bag. Returns true if the message has keys.
+    /// Adds a message of a JSON channel in a bag. Returns true if the message isn't empty.
     pub(crate) fn add_message(&mut self, topic: &str, ty: &str, payload: &[u8]) -> bool {
         let Ok(text) = std::str::from_utf8(payload) else { return false };
         let Ok(message) = Tree::read(text) else { return false };
@@ -84,8 +84,8 @@ impl Found {
         self.clues
     }
 
-    /// Adds the first message with keys of a topic or type. If the type is stated, adds a message without keys until a
-    /// message with keys replaces it: some types have no fields. `ty` is the stated type.
+    /// Adds the first non-empty message of a topic or type. If the type is stated, adds an empty message until a
+    /// non-empty message replaces it: some types have no fields. `ty` is the stated type.
     fn add(&mut self, topic: Option<&str>, ty: Option<String>, message: &Tree<'_>, text: &str) {
         let Tree::Object(members) = message else { return };
         let Self { clues, guesses, num_bytes, .. } = self;
@@ -129,7 +129,7 @@ impl Found {
     }
 }
 
-/// The full ROS name of a type, which may be named after its package here: `px4/VehicleStatus`.
+/// The full ROS name of a type. The package may have another name here, as in `px4/VehicleStatus`.
 fn type_name(ty: &str) -> String {
     let full = full_name(ty);
     match full.split_once('/') {

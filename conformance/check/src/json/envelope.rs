@@ -97,7 +97,7 @@ impl Channels {
 /// The form of a parsed value.
 pub(crate) enum Form<'t> {
     Message(NameKind, &'t str, &'t Tree<'t>),
-    /// A rosbridge message that states the type of a topic.
+    /// A rosbridge message that specifies the type of a topic.
     Advertised(&'t str, &'t str),
     /// Any other rosbridge message.
     Skipped,

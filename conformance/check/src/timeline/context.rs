@@ -1,4 +1,4 @@
-//! The things that all followers of records need.
+//! The context that all followers of records need.
 
 use uavspec_px4::event::EventMetadata;
 use uavspec_rules::definitions::Definitions;

@@ -151,7 +151,7 @@ impl Lane {
         self.values.get(1).filter(|_| self.kind == LaneKind::Flag).map_or(0, |set| set.duration_us)
     }
 
-    /// The changes that a report lists: a flag that is cleared at the start isn't news.
+    /// The changes that a report lists: a flag that is cleared at the start isn't listed.
     pub fn listed(&self) -> impl Iterator<Item = &Change> {
         self.changes.iter().filter(|change| !self.is_quiet(change))
     }

@@ -37,7 +37,7 @@ pub(super) struct Topic {
     kind: TopicKind,
 }
 
-/// The lanes that a topic makes.
+/// The lanes that a topic produces.
 #[derive(Debug)]
 enum TopicKind {
     /// A lane for each of these fields, in this order.
@@ -46,17 +46,17 @@ enum TopicKind {
     Flags(&'static [Field]),
     /// A lane for each component that replies.
     Replies,
-    /// A lane for the registrations that requests ask.
+    /// A lane for the registrations that requests address.
     Requests,
     /// Each message is an event.
     Events,
-    /// Tells takeoffs and landings.
+    /// Reports takeoffs and landings.
     Landed,
     /// Each message registers or removes a component.
     Registrations,
 }
 
-/// A field that makes a lane.
+/// A field that produces a lane.
 #[derive(Debug)]
 struct Field {
     name: &'static str,
@@ -124,7 +124,7 @@ pub(super) fn topic_of(channel: &Channel<'_>, definitions: &Definitions) -> Opti
     let message = definitions.schema.message(channel.definition?);
     let is_px4 = definitions.schema.package_of(message).form == Form::Msg(Dialect::Px4);
     let is_published = |name: &str| message.topics.iter().any(|topic| topic == name);
-    // The other topics of a message are a different matter.
+    // The other topics of a message aren't part of the timeline.
     let is_other = |name: &str| channel.topic != name && is_published(channel.topic);
     TOPICS.iter().position(|topic| is_px4 && is_published(topic.name) && !is_other(topic.name))
 }
@@ -152,11 +152,11 @@ struct Open {
     /// The instance in a log; otherwise, the topic with its namespace.
     subject: Arc<str>,
     definition: MessageId,
-    /// The fields that make lanes, once the first message has arrived.
+    /// The fields that produce lanes, once the first message has arrived.
     watched: Option<Vec<Watched>>,
 }
 
-/// A field that makes a lane.
+/// A field that produces a lane.
 struct Watched {
     /// The index in messages.
     index: usize,
@@ -196,7 +196,8 @@ impl Px4 {
         }
     }
 
-    /// Follows a message. Returns its topic if the timeline needs the message; as an error if the message can't be read.
+    /// Follows a message. Returns its topic if the timeline needs the message. The error is the topic of an unreadable
+    /// message.
     pub(super) fn message(
         &mut self,
         channel: &Channel<'_>,
@@ -234,7 +235,7 @@ impl Px4 {
     }
 }
 
-/// Removes the subjects of topics that have a single channel, unless it is another instance than the first.
+/// Removes the subjects of topics that have a single channel, unless the channel isn't the first instance.
 pub(super) fn hide_only_channels(lanes: &mut [Lane]) {
     for Topic { name, kind } in &TOPICS {
         if !matches!(kind, TopicKind::Fields(_) | TopicKind::Flags(_) | TopicKind::Events) {
@@ -291,7 +292,7 @@ struct Defined<'v> {
     value: FieldValue<'v>,
 }
 
-/// The fields of a message in the order of the definition. Logs have another order.
+/// The fields of a message in the order of the definition. In logs, the order differs.
 fn defined<'v>(id: MessageId, values: DynamicView<'v>, definitions: &Definitions) -> Vec<Defined<'v>> {
     let fields = &definitions.schema.message(id).fields;
     let found = fields.iter().filter_map(|field| {
@@ -302,7 +303,7 @@ fn defined<'v>(id: MessageId, values: DynamicView<'v>, definitions: &Definitions
     found.collect()
 }
 
-/// The fields of a message that make lanes.
+/// The fields of a message that produce lanes.
 fn watched(topic: &str, fields: &'static [Field], has_flags: bool, values: Vec<Defined<'_>>) -> Vec<Watched> {
     let mut found = Vec::new();
     for (at, Defined { index, name, value }) in values.into_iter().enumerate() {
@@ -434,7 +435,7 @@ fn by_prefix<'d>(
         let mut named = all.filter_map(|(at, constant)| {
             let mut prefixes = constants.prefixes.iter();
             let name = prefixes.find_map(|prefix| constant.name.strip_prefix(prefix)?.strip_prefix('_'))?;
-            // The number of values isn't a value.
+            // A constant for the number of values isn't a value.
             (integer(&constant.value) == Some(number) && name != "MAX").then_some((id, name, at))
         });
         named.next()

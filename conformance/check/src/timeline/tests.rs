@@ -57,7 +57,7 @@ fn lines(messages: &[(&str, Json)]) -> Vec<u8> {
     messages.iter().map(line).collect::<String>().into_bytes()
 }
 
-/// Definitions with a message `VehicleStatus` besides `FailsafeFlags`.
+/// Definitions with a message `VehicleStatus` in addition to `FailsafeFlags`.
 fn with_status(status: &str) -> Definitions {
     let folder = tempfile::tempdir().expect("a folder");
     let flags = "uint64 timestamp\nuint32 mode_req_attitude\n\n# Limits\nbool attitude_invalid  # Attitude lost. It is.\n";
@@ -179,7 +179,7 @@ fn replies_belong_to_the_component_that_has_the_id_at_that_time() {
     let replies = timeline.lanes.iter().filter(|lane| lane.topic == "arming_check_reply");
     let found: Vec<_> =
         replies.map(|lane| (lane.subject.as_deref(), changes(lane), lane.values[0].duration_us)).collect();
-    // The replies of the first component end when the other one gets the id.
+    // The replies of the first component end when another component gets the id.
     let expected = [
         (Some("registration 3, Kite"), vec![(0, "true".to_owned())], 5_000),
         (Some("registration 3, Owl"), vec![(7_000, "false".to_owned())], 0),

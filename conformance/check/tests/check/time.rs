@@ -193,7 +193,7 @@ uint64 timestamp # [us] Time since system start
 # TOPICS sonde sonde_v8 sonde_v9
 ";
 
-/// Checks a log with these topics and times. The definition of these topics states no queue length.
+/// Checks a log with these topics and times. The definition of these topics specifies no queue length.
 fn check_sonde(topics: &[&str], times: &[u64]) -> CaptureResult {
     let (_folder, definitions) = defined(&[("Sonde.msg", SONDE)]);
     let mut log = Writer::with_flags();

@@ -175,7 +175,7 @@ fn only(output: &[u8]) -> (String, BTreeMap<String, String>, (String, String, St
 
 #[test]
 fn json_messages_are_converted() {
-    // A CDR message shows the release.
+    // A CDR message indicates the release.
     let hash = [("topic_type_hash", "RIHS01_0")];
     for (encoding, content, metadata) in [
         ("jsonschema", &b"{}"[..], &[][..]),
@@ -253,7 +253,7 @@ fn names_of_json_channels_outside_of_px4_need_the_keys_of_the_type() {
         (robot, "Request", &[other, sent][..], &[other, sent][..], Action::Copied),
         (robot, "Request", &[sent, sent], &[new, new], Action::Converted),
         (robot, "Request", &[sent, other], &[new], Action::Converted),
-        // Messages without keys decide nothing.
+        // Empty messages decide nothing.
         (robot, "Request", &["{}", "[1]", "{", sent], &[new], Action::Converted),
         (robot, "Request", &["{}", "[1]", "{", other], &["{}", "[1]", "{", other], Action::Copied),
         (robot, "Request", &["{}", "{}"], &["{}", "{}"], Action::Copied),
@@ -283,7 +283,7 @@ fn names_of_json_channels_outside_of_px4_need_the_keys_of_the_type() {
     }
 }
 
-/// Messages that have waited are written after those of other channels, and the statistics count them.
+/// Waiting messages are written after the messages of other channels, and the statistics count them.
 #[test]
 fn messages_without_keys_wait_for_a_decision() {
     let sent = r#"{"timestamp":9,"request_id":3}"#;
@@ -331,7 +331,7 @@ fn the_size_of_waiting_messages_is_limited() {
     ];
     assert_eq!(found, expected);
     let reason = report.topics[1].reason.as_deref();
-    assert_eq!(reason, Some("more than 16 MiB of messages precede the first one with keys"));
+    assert_eq!(reason, Some("more than 16 MiB of messages precede the first non-empty one"));
     let lengths: Vec<usize> = payloads(&output).iter().map(String::len).collect();
     assert_eq!(lengths[..2], [blank.len(), sent.len()]);
     assert_eq!(lengths.len(), 3);

@@ -34,7 +34,7 @@ fn converted_lines_agree_with_the_target_release() {
         let (flight, target) = (sample(&from), release(&to));
         for encoding in [Encoding::Lines, Encoding::Rosbridge] {
             let bytes = encoding.write(&flight).expect("an encoding");
-            // The keys of the messages show the release.
+            // The keys of the messages indicate the release.
             let (report, output) = super::converted(&bytes, &to, Settings::default());
             assert_eq!(report.from, [from.as_str()]);
             assert!(report.is_complete(), "{:?}", report.problems);
@@ -56,7 +56,7 @@ fn converted_lines_agree_with_the_target_release() {
                 (0, found.records - 2 * unknown as u64),
                 "{from} {to}"
             );
-            // A value that is valid only in the source stays as it is.
+            // A value that is valid only in the source is unchanged.
             let is_form = |id: &&str| !["PX-ENUM-01", "PX-RANGE-01"].contains(id);
             let wrong: Vec<&str> =
                 found.findings.groups().map(|group| group.rule.id).filter(is_form).collect();
@@ -181,7 +181,7 @@ fn names_of_topics_outside_of_px4_need_the_keys_of_the_type() {
     }
 }
 
-/// The first message with keys decides, or the type that is stated before it. Earlier messages are copied.
+/// The first non-empty message decides, or the type that is stated before it. Earlier messages are copied.
 #[test]
 fn messages_without_keys_decide_nothing() {
     let topic = "/robot/arming_check_request";
@@ -196,7 +196,7 @@ fn messages_without_keys_decide_nothing() {
         (&[&empty, &sent][..], &[&empty, &new][..], Some("1 message")),
         (&[&empty, &null, &sent, &sent], &[&empty, &null, &new, &new], Some("2 messages")),
         (&[&empty, &typed, &sent], &[&empty, &typed, &new], Some("1 message")),
-        // The last type that is stated before the first message with keys applies.
+        // The last type that is stated before the first non-empty message applies.
         (&[&empty, &club, &typed, &sent], &[&empty, &club, &typed, &new], Some("1 message")),
         (&[&club, &empty, &typed, &sent], &[&club, &empty, &typed, &new], Some("1 message")),
         (&[&empty, &typed, &club, &other], &[&empty, &typed, &club, &other], None),
@@ -255,7 +255,7 @@ fn names_that_only_the_target_defines_need_the_keys_of_the_type() {
         assert_eq!((found.action, found.messages, found.unreadable), (action, 1, 0), "{line}");
         assert_eq!(output, if action == Action::Copied { line.as_str() } else { "" });
     }
-    // Earlier messages without keys are copied if the name of their topic may have another meaning.
+    // Earlier empty messages are copied if the name of their topic may have another meaning.
     for (topic, copied, end) in [
         ("/robot/battery_info", 1, "defines it; copied: 1 message without keys"),
         ("/fmu/out/battery_info", 0, "defines it"),
@@ -373,7 +373,7 @@ fn every_part_of_a_truncated_file_is_converted_or_reported() {
     }
 }
 
-/// Both releases define the message alike.
+/// Both releases have the same definition of the message.
 #[test]
 fn messages_of_unchanged_types_are_read() {
     let good = message("px4@1.18", "VehicleAttitude");

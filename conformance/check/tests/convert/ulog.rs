@@ -41,8 +41,7 @@ fn differing(found: &Checked) -> Vec<&str> {
     other.map(|format| format.topic.as_str()).collect()
 }
 
-/// The violations that depend on more than the valid values of a field and the length of a topic's queue, which differ
-/// between releases.
+/// The violations of all rules except the rules on valid values and queue lengths, which differ between releases.
 fn violations(found: &Checked) -> BTreeSet<(&str, String)> {
     let groups = found.result.findings.groups();
     let groups =
@@ -242,7 +241,7 @@ fn formats_that_differ_from_all_releases_are_left_out() {
     );
 }
 
-/// The source release has no such topic, but the target has.
+/// The source release has no such topic, but the target does.
 #[test]
 fn other_topics_with_a_name_of_the_target_are_left_out() {
     let mut log = flight("px4@1.16");

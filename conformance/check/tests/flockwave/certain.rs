@@ -326,7 +326,8 @@ fn queries_time(session: &mut Session, ahead: u64) {
     answers_time(session, &id, ahead);
 }
 
-/// Adds two SYS-TIME queries, between which the server's clock jumps. It is ahead by this time in milliseconds before.
+/// Adds two SYS-TIME queries, between which the server's clock jumps. Before the jump, the clock is ahead by this time
+/// in milliseconds.
 fn clock_jumps(session: &mut Session, ahead: u64) {
     queries_time(session, ahead);
     queries_time(session, ahead + HOUR);
@@ -363,7 +364,7 @@ fn answers_from_before_an_adjustment_do_not_state_the_time_after_it() {
         report_ahead(&mut session, HOUR);
         let case = format!("sent first: {is_sent_first}, answered first: {is_answered_first}");
         assert_eq!(violated_by(&session), [], "{case}");
-        // The adjustment's answer states the new time.
+        // The adjustment's answer contains the new time.
         report_ahead(&mut session, 2 * HOUR);
         session.wait(61.0);
         queries_time(&mut session, 2 * HOUR);

@@ -309,7 +309,7 @@ fn fractions_of_times_are_disputed() {
     }
 }
 
-/// Only as a longitude, 180° are disputed.
+/// 180° is disputed only as a longitude.
 #[test]
 fn other_values_of_1800000000_are_wrong() {
     let session = Session::new().state(|kite| kite["attitude"] = json!([0, 1_800_000_000, 0]));

@@ -208,7 +208,7 @@ fn resume(session: &mut Session, answer: &Value) {
     session.exchange(json!({ "type": "ASYNC-RESUME", "ids": ["r-1"] }), answer.clone());
 }
 
-/// Some servers accept to resume an operation that is running.
+/// Some servers accept a request to resume a running operation.
 #[test]
 fn a_resumed_operation_was_suspended_if_the_server_refused_to_resume_it_before() {
     let resumed = |is_refused: bool| {

@@ -133,7 +133,7 @@ fn a_response_clears_only_the_messages_before_its_request() {
     }
 }
 
-/// Messages that were sent after the end of the service are no suspects.
+/// Messages that were sent after the end of the service aren't suspects.
 #[test]
 fn only_messages_before_the_end_of_the_service_are_suspects() {
     let mut session = Session::opened();

@@ -154,7 +154,8 @@ fn only_a_single_early_message_has_a_wrong_time() {
         // The clock was set back by little more than a period: only the early message is before the latest time.
         &[20, 40, 60, 50, 70, 90],
         &[20, 40, 60, 59, 79, 99],
-        // The last message doesn't show which of the two it is, and without a pause, the next one doesn't either.
+        // The last message doesn't show whether the clock was set back. Without a pause, the next message doesn't
+        // either.
         &[20, 40, 60, 50],
         &[60, 50, 100],
         // PX4 lost its synchronisation with the computer for one message.

@@ -168,6 +168,6 @@ fn limits_and_escapes_names() {
     let mut message = glider(PERIOD);
     message["\u{1b}[31m"] = 1.into();
     let result = check_bytes(typed(&message).as_bytes());
-    let message = "px4/Glider.\\u{1b}[31m: Glider has no such field; found 1".to_owned();
+    let message = "px4/Glider.\\u{1b}[31m: Glider has no such field, but the message contains 1".to_owned();
     assert_eq!(violated(&result), [("PX-JSON-01", message)]);
 }

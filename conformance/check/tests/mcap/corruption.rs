@@ -143,7 +143,7 @@ fn all_files_that_follow_each_other_show_the_release() {
     flight.messages.retain(|sent| sent.topic < topics);
     flight.messages.truncate(extent(usize::MAX, topics));
     let flight = Encoding::Mcap.write(&flight).expect("a bag");
-    // The ids of its schemas are those of other types in the flight.
+    // In the flight, the ids of its schemas denote other types.
     let others = (1..20).map(|id| schema(id, "club_msgs/msg/Rope", "ros2msg", b"uint8 length\n"));
     let first = file(&others.collect::<Vec<_>>().concat());
     let folder = tempfile::tempdir().expect("a folder");

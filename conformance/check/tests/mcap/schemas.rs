@@ -196,7 +196,7 @@ fn checks_incomparable_schemas_by_name() {
     }
 }
 
-/// Programs that record DDS name types as in DDS.
+/// Programs that record DDS traffic use DDS type names.
 #[test]
 fn reads_schemas_with_dds_names() {
     let (name, hash) = ros("Glider");
@@ -210,7 +210,7 @@ fn reads_schemas_with_dds_names() {
     assert_eq!((basis(&result), violated(&result), result.checked), (&equal(), vec![], 1));
 }
 
-/// Without a schema that can be read, only the hash shows the fields.
+/// Without a schema that can be read, only the hash identifies the fields.
 #[test]
 fn messages_of_another_hash_with_an_invalid_schema_are_not_checked() {
     let (name, _) = ros("Glider");

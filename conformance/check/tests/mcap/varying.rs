@@ -69,7 +69,7 @@ fn conforming_messages_have_no_findings() {
     assert_eq!(*status, uavspec_check::CheckStatus::Checked(equal()));
 }
 
-/// The decoder checks the bound of the format, not that of the definition.
+/// The decoder checks the bound of the format, not the bound of the definition.
 #[test]
 fn strings_with_another_bound_are_not_shared() {
     let id = DEFINITIONS.message_of_type("club_msgs/msg/Rope").expect("a message");

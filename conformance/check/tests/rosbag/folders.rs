@@ -179,7 +179,7 @@ fn a_file_of_a_bag_that_grows_while_it_is_read_is_named() {
     assert!(reason.starts_with("bag_0.db3: the file grew from "), "{reason}");
 }
 
-/// A bag with a message whose type two distributions define differently, and which states neither a schema nor a hash.
+/// A bag without a schema or hash, with a message whose type differs between two distributions.
 fn ranges() -> Content {
     let ty = "sensor_msgs/msg/Range";
     let empty_header = [&[0; 8][..], &1_u32.to_le_bytes(), &[0; 4]].concat();
@@ -217,7 +217,7 @@ fn a_bag_may_state_its_distribution() {
     assert_eq!(states("humble", ""), ("ros2@humble".to_owned(), 1));
     assert_eq!(states("", "version: 6\nros_distro: humble\n"), ("ros2@humble".to_owned(), 1));
     assert_eq!(states("", "").1, 0);
-    // The folder of a bag states it in `metadata.yaml`.
+    // The folder of a bag contains it in `metadata.yaml`.
     let bag = path("bag");
     fs::create_dir(&bag).expect("a folder");
     content.write(&bag.join("a.db3"));

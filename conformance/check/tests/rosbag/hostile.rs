@@ -10,7 +10,7 @@ use uavspec_test_support::{Random, extent};
 
 use super::{checked, checked_bytes, corrupt, file_with, flight, violated};
 
-/// A file with the tables of a bag that these statements change.
+/// A file with the tables of a bag, changed by these statements.
 fn changed(statements: &str) -> (tempfile::TempDir, std::path::PathBuf) {
     let content = flight();
     let (folder, path) = file_with("bag.db3", &content.to_bytes());
@@ -30,7 +30,7 @@ fn views_virtual_tables_and_generated_columns_are_not_read() {
             "it has no table `topics`",
         ),
         (
-            // Not created directly, because SQLite may not contain this module.
+            // Not created directly, because SQLite might not contain this module.
             "DROP TABLE messages; PRAGMA writable_schema = ON;
                 INSERT INTO sqlite_schema VALUES ('table', 'messages', 'messages', 0,
                 'CREATE VIRTUAL TABLE messages USING fts5(topic_id, timestamp, data)')"
@@ -119,7 +119,7 @@ fn a_flipped_bit_hides_no_message() {
         let result = checked_bytes(&flipped);
         let is_same = (result.records, result.checked) == (intact.records, intact.checked);
         let is_reported = result.extent != Extent::Whole || violated(&result) != violated(&intact);
-        // A changed name of a topic or a type is no corruption, but the coverage shows it.
+        // A changed name of a topic or a type isn't corruption, but the coverage shows it.
         let is_uncovered = !result.coverage.is_full() || matches!(result.summary, Summary::Unknown(_));
         assert!(is_same || is_reported || is_uncovered, "byte {at}");
     }

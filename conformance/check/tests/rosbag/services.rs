@@ -34,7 +34,7 @@ fn definitions_of(kind: &str, dialect: &str, package: &str, name: &str, text: &s
 fn event(is_fast: u8) -> Vec<u8> {
     let info = [&[1, 0, 0, 0][..], &7_i32.to_le_bytes(), &8_u32.to_le_bytes(), &[5; 16]].concat();
     let request = [&1_u32.to_le_bytes()[..], &[40, is_fast, 0, 0]].concat();
-    // The header isn't part of the alignment.
+    // The header doesn't count for the alignment.
     let mut body = info;
     body.resize(body.len().next_multiple_of(8), 0);
     body.extend(9_i64.to_le_bytes());
@@ -251,7 +251,7 @@ fn missing_standard_types_are_those_of_ros_2() {
     assert_eq!(found, (vec!["PX-BOOL-01"], 1, 1));
 }
 
-/// A schema that is only the name of the type has the result of a missing schema.
+/// A schema that is only the name of the type has the same result as a missing schema.
 #[test]
 fn a_schema_may_be_only_the_name_of_the_type() {
     let definitions = definitions("ros2", "sky_msgs", "Soar", SOAR);

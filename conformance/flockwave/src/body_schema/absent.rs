@@ -1,4 +1,4 @@
-//! A program without JSON Schemas of users.
+//! Stand-ins for user-supplied JSON Schemas, for programs without the feature `schemas`.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -9,7 +9,7 @@ use uavspec_schema::json_type::Direction;
 
 use super::{DefinedSchemas, Deviation};
 
-/// No schemas: this program can't read JSON Schemas of users.
+/// No schemas, since this program can't read user-supplied JSON Schemas.
 #[derive(Debug, Default)]
 pub struct Schemas(());
 
@@ -31,7 +31,7 @@ impl std::error::Error for SchemaError {}
 
 #[allow(clippy::unused_self, reason = "as in a program with schemas")]
 impl Schemas {
-    /// Fails if there is a folder.
+    /// Fails if a folder is given.
     pub fn load(folders: &[PathBuf], _: &DefinedSchemas) -> Result<Self, SchemaError> {
         match folders.first() {
             Some(folder) => Err(SchemaError { path: folder.clone() }),

@@ -139,7 +139,7 @@ impl<'s> Plain<'s> {
             }
             // Checking that elements are unique requires the tree.
             ValueSchema::List(list) if !list.is_unique => {
-                // So do limits that depend on the position.
+                // Limits that depend on the position require the tree, too.
                 let is_limited = (0..MAX_LIMITED).any(|at| limits(at).is_some());
                 let element = if is_limited { Scalar::UNCLEAR } else { Scalar::new(&list.element) };
                 Self::List(element, list.length)
@@ -230,7 +230,7 @@ fn list(
 /// True if a value matches a schema.
 fn accepts(schema: &ValueSchema, token: &Token<'_>) -> bool {
     match (schema, token) {
-        // These values aren't JSON.
+        // Tokens such as `NaN` aren't JSON.
         (_, Token::NotJson(_)) => false,
         (ValueSchema::Any, _) | (ValueSchema::Null, Token::Null) | (ValueSchema::Bool, Token::Bool(_)) => {
             true

@@ -26,10 +26,10 @@ const MAX_DEVIATIONS: usize = 100;
 /// The maximum length of a quoted part of a schema, in bytes.
 const MAX_DEMAND: usize = 80;
 
-/// The size of all compiled patterns of a file, in bytes.
+/// The maximum total size of the compiled patterns of a file, in bytes.
 const MAX_PATTERNS: usize = 16 << 20;
 
-/// The size that each compiled pattern may have, in bytes.
+/// The size that every compiled pattern may have, in bytes.
 const MIN_PATTERN: usize = 16 << 10;
 
 /// The maximum number of problems to report.
@@ -163,7 +163,8 @@ impl Schemas {
         self.schema(type_name, direction).is_some()
     }
 
-    /// The schema for a type and direction. A schema for this direction precedes one for all directions.
+    /// The schema for a type and direction. A schema for this direction takes precedence over a schema for all
+    /// directions.
     fn schema(&self, type_name: &str, direction: Direction) -> Option<&Schema> {
         let schemas = self.by_type.get(type_name)?;
         let for_direction = |wanted| schemas.iter().find(|schema| schema.direction == wanted);
@@ -185,7 +186,7 @@ fn leave_out_parts(known: &mut Vec<Arc<Schema>>) {
     let is_in =
         |parts: &HashSet<_>, schema: &Schema| parts.contains(&(schema.direction, schema.file.clone()));
     let parts: HashSet<_> = known.iter().flat_map(|schema| schema.others()).collect();
-    // Schemas that refer to each other are no parts.
+    // Schemas that refer to each other don't count as parts.
     let wholes = known.iter().filter(|schema| !is_in(&parts, schema));
     let parts: HashSet<_> = wholes.flat_map(|schema| schema.others()).collect();
     known.retain(|schema| !is_in(&parts, schema));

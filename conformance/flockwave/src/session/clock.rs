@@ -13,7 +13,7 @@ const MAX_ADJUSTMENT_TIME: f64 = 60.0;
 /// clocks at up to this rate.
 const MAX_DRIFT: f64 = 0.0005;
 
-/// The change in the server's clock between two answers that state the server's time.
+/// The change in the server's clock between two answers that contain the server's time.
 #[derive(Clone, Copy, Debug)]
 pub struct ClockMove {
     /// The minimum change in seconds; 0 if the two answers are consistent with an unchanged clock.
@@ -31,10 +31,10 @@ pub(super) struct ServerClock {
     bounds: Option<(f64, f64)>,
     /// The time when the bounds were determined.
     time: f64,
-    /// The number of adjustments before that.
+    /// The number of adjustments before the bounds were determined.
     num_adjustments: u64,
     /// The location of a request to adjust the clock by 0. This location is cleared when an answer to a later request
-    /// states the time.
+    /// contains the time.
     adjusted_by_nothing: Option<Location>,
 }
 
@@ -45,10 +45,10 @@ pub(super) struct Adjustments {
     /// True if a client may have set the clock back.
     may_set_back: bool,
     count: u64,
-    /// The time until which the server may still handle such requests.
+    /// The time until which the server may still handle adjustment requests.
     until: f64,
-    /// The location of the latest such request, if the server handles no other one at about the same time. The answer
-    /// then states the time after the adjustment.
+    /// The location of the latest adjustment request, if the server handles no other one at about the same time. Its
+    /// answer then contains the time after the adjustment.
     only: Option<Location>,
 }
 
@@ -72,8 +72,8 @@ impl ServerClock {
         }
     }
 
-    /// Determines the offset from an answer. The server may handle requests in any order, so only some answers state the
-    /// time after an adjustment.
+    /// Determines the offset from an answer. The server may handle requests in any order, so only some answers contain
+    /// the time after an adjustment.
     pub(super) fn answer(&mut self, exchange: &mut Exchange<'_>, adjustments: &mut Adjustments) {
         let Some(request) = &exchange.request else { return };
         let location = request.location;

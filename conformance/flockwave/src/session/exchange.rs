@@ -90,7 +90,7 @@ pub struct Exchange<'t> {
     pub opened: Vec<Named>,
     /// True if a message without `refs` may answer a message of the client that has no readable id.
     pub may_answer_unknown: bool,
-    /// True if a message without `refs` answers such a message, because it isn't a usual notification.
+    /// True if a message without `refs` answers a message without a readable id, because it isn't a usual notification.
     pub answers_unknown: bool,
     /// True if `refs` is a copy of a client's id that is not a string.
     pub copies_id: bool,
@@ -99,10 +99,9 @@ pub struct Exchange<'t> {
     /// The bounds of the server's clock offset that were known before this record, in seconds. A positive offset means
     /// that the server's clock is ahead.
     pub clock: Option<(f64, f64)>,
-    /// True if a client may have set the server's clock back. Timestamps from before may then be later than the server
-    /// time.
+    /// True if a client may have set the server's clock back. Old timestamps may then be later than the server time.
     pub is_clock_set_back: bool,
-    /// The change of the server's clock, if this record and an earlier record both state the server's time.
+    /// The change of the server's clock, if this record and an earlier record both contain the server's time.
     pub clock_move: Option<ClockMove>,
     /// The body schema violations in the message. `None` if there is no schema.
     pub deviations: Option<Vec<Deviation>>,

@@ -34,7 +34,7 @@ pub struct Operation {
     pub stage: Stage,
     /// True if the operation was, or may have been, reported as suspended.
     pub was_suspended: bool,
-    /// True if a message reported its end, also before the receipt was issued.
+    /// True if a message reported the operation's end, even before the receipt was issued.
     pub has_ended: bool,
     /// True if the server has refused to resume the operation.
     pub has_refused_resume: bool,
@@ -138,8 +138,8 @@ impl Operations {
         };
         for receipt in receipts.into_iter().take(MAX_RECEIPTS).filter(|receipt| receipt.len() <= MAX_ID) {
             let before = self.0.remove(&(serial, receipt.clone()));
-            // If operations of several types had this receipt, a notification doesn't say which one it is about. Others
-            // may be pending even after an end.
+            // If operations of several types had this receipt, a notification doesn't say which one it is about. Other
+            // operations may be pending even after one has ended.
             let is_shared = before.as_ref().is_some_and(|operation| {
                 operation.stage != Stage::Early && operation.type_name.as_deref() != exchange.type_name
             });

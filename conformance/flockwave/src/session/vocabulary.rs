@@ -43,9 +43,9 @@ const RECEIPTS: Parts = Parts { request_field: "ids", reply_fields: &["success",
 
 const SUBSCRIPTIONS: Parts = Parts { request_field: "paths", reply_fields: &["success", "error"] };
 
-/// The types whose response reports on each object, except those in [`OPERATIONS`]. Each object must appear in exactly
-/// one part. The specification states this only in its text, so the tables in the definitions don't contain this
-/// requirement.
+/// The types whose response reports on each object, except the types in [`OPERATIONS`]. Each object must appear in
+/// exactly one part. The specification states this only in its text, so the tables in the definitions don't contain
+/// this requirement.
 pub const PARTS: [(&str, Parts); 16] = [
     ("ASYNC-CANCEL", RECEIPTS),
     ("ASYNC-RESUME", RECEIPTS),

@@ -8,7 +8,7 @@ use uavspec_model::net::tls::Trust;
 use super::secrets::Secrets;
 
 /// The credentials of a client, and the certificates that it trusts. By default, there are no credentials, and the
-/// certificates are those of the operating system.
+/// operating system's certificates are trusted.
 #[derive(Clone, Default)]
 pub struct Access {
     login: Option<(String, String)>,

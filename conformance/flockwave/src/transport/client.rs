@@ -21,7 +21,7 @@ use super::endpoint::{Carrier, Endpoint};
 pub enum Received {
     /// A message, unchanged.
     Message(Vec<u8>),
-    /// The argument of a Socket.IO event with another name than `fw`.
+    /// The argument of a Socket.IO event with a name other than `fw`.
     OtherEvent(Vec<u8>),
     /// A message longer than [`MESSAGE_LIMIT`](super::MESSAGE_LIMIT), which was dropped.
     TooLong,

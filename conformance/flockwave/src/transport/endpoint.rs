@@ -59,7 +59,7 @@ impl ServerAddress {
         Ok(Self { host: parsed.host, port: parsed.port, is_encrypted })
     }
 
-    /// The address without the mode of the connection.
+    /// The host and port, without the encryption flag.
     pub(crate) fn address(&self) -> Address {
         Address { host: self.host.clone(), port: self.port }
     }

@@ -1,6 +1,6 @@
 //! A client of Foxglove's WebSocket protocol, as in `foxglove_bridge` and the Foxglove SDK.
 //!
-//! The protocol states neither the quality of service nor the nodes.
+//! The protocol announces neither the quality of service nor the nodes.
 
 mod channel;
 
@@ -43,7 +43,8 @@ const SERVICE: Service = Service {
 /// A connection to a Foxglove server.
 pub(super) struct Foxglove {
     link: Link,
-    /// `Ok` if clients can publish; an error is the reason why they can't. `None` until the server described itself.
+    /// `Ok` if clients can publish; an error is the reason why they can't. `None` until the server has described
+    /// itself.
     publishing: Option<Result<(), &'static str>>,
     channels: HashMap<u64, Channel>,
     /// The topics to receive. Some may have no channel yet.

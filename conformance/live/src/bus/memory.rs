@@ -11,7 +11,7 @@ use uavspec_model::{Endpoint, EndpointKind, Qos};
 
 use super::{Bus, Encoding, Event, Publisher, Received, Topic, nanoseconds};
 
-/// The interval of looking for events in real time, which no user of the bus needs.
+/// The interval between checks for events. It matters only in real time, which no user of the bus needs.
 const INTERVAL: Duration = Duration::from_millis(1);
 
 /// A network that connects buses.

@@ -22,7 +22,7 @@ type Losses = BTreeMap<Arc<str>, u64>;
 #[derive(Debug)]
 struct Waiting {
     event: Event,
-    /// The losses between the previous event and this one.
+    /// The losses between the previous event and the current event.
     lost: Losses,
 }
 

@@ -40,7 +40,7 @@ const ONLY_JSON: &str =
 /// A connection to a rosbridge server.
 pub(super) struct Rosbridge {
     link: Link,
-    /// The time of the next request for the list of topics, or the end of the time for its answer.
+    /// The time of the next request for the list of topics, or the deadline for its answer.
     due: Instant,
     /// True if the list was requested.
     is_requested: bool,
@@ -54,7 +54,7 @@ pub(super) struct Rosbridge {
     topics: BTreeMap<String, Arc<str>>,
     /// The topics to receive.
     subscribed: HashMap<Arc<str>, Topic>,
-    /// The topics to receive if rosapi isn't available, without those from which a message was received.
+    /// The topics to receive if rosapi isn't available, except topics from which a message was received.
     names: Vec<String>,
 }
 
@@ -276,12 +276,12 @@ fn place(operation: &Tree<'_>, places: Vec<Range<usize>>, key: &str) -> Option<R
     members.iter().zip(places).find(|((known, _), _)| known == key).map(|(_, place)| place)
 }
 
-/// True if a response has no name, or that of the service that lists the topics.
+/// True if a response has no name, or the name of the service that lists the topics.
 fn is_list(response: &Tree<'_>) -> bool {
     response.get("service").is_none_or(|name| name.as_str() == Some(LIST_SERVICE))
 }
 
-/// The description of a problem by the server.
+/// The server's description of a problem.
 fn described(value: Option<&Tree<'_>>) -> String {
     let text = value.and_then(Tree::as_str).map(|text| format!("{:?}", excerpt(text)));
     text.unwrap_or_else(|| value.map_or_else(|| "no text".to_owned(), Tree::excerpt))

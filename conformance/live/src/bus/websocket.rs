@@ -229,7 +229,7 @@ impl Drop for Link {
 struct Heartbeat {
     /// The time of the last message.
     heard: Instant,
-    /// The time of the ping that was sent since.
+    /// The time of the ping that was sent since that message.
     pinged: Option<Instant>,
 }
 

@@ -64,14 +64,14 @@ pub(super) struct Zenoh {
     sender: Sender,
     domain: u16,
     graph: Graph,
-    /// Problems that this thread found. It can't use the queue, where it would wait for itself.
+    /// Problems that this thread found. The thread can't use the queue, since it would wait for itself.
     problems: VecDeque<Event>,
     subscriptions: HashMap<Arc<str>, Subscription>,
     publications: Vec<Publication>,
     last_id: u64,
     /// The topics whose stored messages were not queried yet.
     unqueried: BTreeSet<Arc<str>>,
-    /// The clones count the queries that wait for replies.
+    /// The number of clones is the number of queries that wait for replies.
     queries: Arc<()>,
     checked: Instant,
     is_closed: bool,

@@ -103,7 +103,7 @@ impl Actor {
         Ok((actor, endpoints))
     }
 
-    /// Passes endpoints that were discovered before to the role.
+    /// Passes endpoints that were discovered earlier to the role.
     pub(super) fn discover(&mut self, endpoints: &[Endpoint]) {
         let now = self.now();
         for endpoint in endpoints {

@@ -71,7 +71,7 @@ const DISARMED: u8 = 1;
 /// `NAVIGATION_STATE_AUTO_LOITER` of `VehicleStatus`.
 const HOLD: u8 = 4;
 
-/// The modes from 0 to this one.
+/// The valid modes: from 0 to this mode.
 const VALID_MODES: u32 = (1 << 5) - 1;
 
 /// `VEHICLE_TYPE_ROTARY_WING` of `VehicleStatus`.
@@ -171,7 +171,7 @@ impl Autopilot {
         [Sent::new(&reply)].into_iter().chain(report).collect()
     }
 
-    /// Answers the question of a component that compares its definitions with those of the flight controller.
+    /// Answers the question of a component that compares its definitions with the flight controller's definitions.
     fn answer_format(&self, request: &MessageFormatRequest, now: u64) -> Sent {
         let topic = request.topic_name.as_str().ok().and_then(|name| name.rsplit_once('/'));
         let is_known = request.protocol_version == MessageFormatRequest::LATEST_PROTOCOL_VERSION;
@@ -252,7 +252,7 @@ impl Autopilot {
         slots.filter(|(_, known)| is_valid(known)).map(|(slot, _)| 1 << slot).sum()
     }
 
-    /// The health and arming report with these reasons for a refusal. A judge publishes none.
+    /// The health and arming report with these reasons for a refusal. A judge publishes no report.
     fn report(&mut self, reasons: &[Event], now: u64) -> Vec<Sent> {
         if self.purpose == Purpose::Judge {
             return Vec::new();

@@ -12,7 +12,7 @@ use uavspec_rules::definitions::FOLDERS;
 pub struct Namespace(String);
 
 impl Namespace {
-    /// The namespace of the vehicle on a bus. An error says that there are several vehicles.
+    /// The namespace of the vehicle on a bus. An error means that there are several vehicles.
     pub(super) fn of_vehicle(endpoints: &[Endpoint]) -> Result<Self, String> {
         let found: BTreeSet<Self> = endpoints
             .iter()

@@ -165,7 +165,7 @@ impl Recorder<'_> {
         Ok(id)
     }
 
-    /// Declares the schema of a topic. Returns its id. Most buses state only the name of the type: the text is empty
+    /// Declares the schema of a topic. Returns its id. Most buses announce only the name of the type: the text is empty
     /// then, as in the bags of `ros2 bag record`.
     fn schema(&mut self, topic: &Topic, schema: Option<&Arc<Schema>>) -> io::Result<u16> {
         let key = (Arc::clone(&topic.type_name), schema.cloned());

@@ -13,8 +13,8 @@ use super::release::Release;
 use super::role::Purpose;
 use crate::bus::{Bus, Event};
 
-/// Takes part in arming checks until `is_over` returns true, with the newest release, or the release that the user demands.
-/// `bug` makes the reference violate a rule.
+/// Takes part in arming checks until `is_over` returns true, with the newest release, or the release that the user
+/// requests. `bug` makes the reference violate a rule.
 ///
 /// # Errors
 /// Fails if the bus refuses a topic, or if the connection ends. The text describes the problem.

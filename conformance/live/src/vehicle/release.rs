@@ -14,21 +14,21 @@ use uavspec_schema::{Message, MessageId};
 use super::namespace::Namespace;
 use crate::bus::Topic;
 
-/// The release in which a role speaks, and the namespace of its topics.
+/// The release that a role uses, and the namespace of its topics.
 pub(super) struct Release {
     definitions: Arc<Definitions>,
     namespace: Namespace,
 }
 
 impl Release {
-    /// Chooses the release of a vehicle. If the vehicle doesn't show it, chooses the newest release.
+    /// Chooses the release of a vehicle. If the vehicle doesn't indicate it, chooses the newest release.
     pub(super) fn new(definitions: &Arc<Definitions>, library: &Library, namespace: Namespace) -> Self {
         let is_shown = !definitions.releases().is_empty() || !library.depends_on_capture();
         let definitions = if is_shown { Arc::clone(definitions) } else { library.newest_px4() };
         Self { definitions, namespace }
     }
 
-    /// The topic of a type. An error says that the release lacks the type. `folder` is `in` or `out`.
+    /// The topic of a type. An error means that the release lacks the type. `folder` is `in` or `out`.
     pub(super) fn topic(&self, name: &str, folder: &str) -> Result<Topic, String> {
         let message = self.message(self.id(name)?);
         let topic = message.topics.first().map_or("", String::as_str);

@@ -1,4 +1,4 @@
-//! The participants of a vehicle's bus that this program can be.
+//! The roles that this program can take on a vehicle's bus.
 //!
 //! A role is a state machine without input, output or clock. An [`Actor`](super::actor::Actor) connects a role to a bus.
 
@@ -7,7 +7,8 @@ use uavspec_rules::px4::Sent;
 
 /// A participant of the bus. All times are in µs since boot.
 pub(crate) trait Role {
-    /// The folder of the topics that this participant publishes: `in` or `out`. The received topics are in the other one.
+    /// The folder of the topics that this participant publishes: `in` or `out`. The received topics are in the other
+    /// folder.
     fn folder(&self) -> &'static str;
 
     /// The types of the published messages.

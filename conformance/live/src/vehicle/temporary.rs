@@ -1,4 +1,4 @@
-//! Temporary recordings. They are removed even if the process exits while a thread still writes one.
+//! Temporary recordings. They are removed even if the process exits while a thread still writes to one.
 
 use std::collections::BTreeSet;
 use std::io;

@@ -197,7 +197,7 @@ fn names_of_topics_show_the_release_of_a_vehicle_without_type_hashes() {
         fly_as(&mut network.connect("/px4", clock), &flight, false, |_| true);
         clock.sleep(LONG);
     });
-    // Newer releases have other messages of the same size, on topics with a version.
+    // Newer releases have different messages of the same size, on topics with a version.
     assert_eq!(found.definitions.name, "PX4 1.15");
     assert_eq!(counts(&found.result.findings), BTreeMap::new());
 }
@@ -273,7 +273,7 @@ fn an_application_with_the_definitions_of_the_vehicle_conforms() {
     assert_eq!(found.result.notes, Vec::<String>::new());
 }
 
-/// Probes a reference participant of a release as the other one.
+/// Probes a reference participant of a release in the opposite role.
 fn probed_reference(release: &str, namespace: &str, side: Side) -> Checked {
     let role = if side == Side::Autopilot { Side::Component } else { Side::Autopilot };
     probed_with(Options { role: Some(role), ..Options::new(LONG) }, |network, clock| {

@@ -37,7 +37,7 @@ pub(super) struct Poller {
     /// The UAVs, with the time of the last request or report for each.
     roster: Roster<Option<Instant>>,
     waiting: VecDeque<Value>,
-    /// The id of the pending request for states, and the end of its time.
+    /// The id of the pending request for states, and its deadline.
     pending: Option<(String, Instant)>,
     next_list: Instant,
     next_time: Instant,

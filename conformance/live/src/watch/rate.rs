@@ -8,7 +8,7 @@ const WINDOW: usize = 5;
 /// Counts messages per second.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Rate {
-    /// The current second and those of the window, with the number of messages in each, latest first.
+    /// The current second and the seconds of the window, with the number of messages in each, latest first.
     seconds: [(u64, u32); WINDOW + 1],
 }
 

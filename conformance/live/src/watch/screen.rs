@@ -46,7 +46,7 @@ pub struct Pages {
 }
 
 impl Pages {
-    /// Handles a key that all screens have. Returns another key of the main page as an error.
+    /// Handles a key that all screens share. Any other key on the main page is returned as an error.
     pub(super) fn press(&mut self, key: KeyEvent) -> Result<Step, KeyCode> {
         if key.kind == KeyEventKind::Release {
             return Ok(Step::Stay);

@@ -1,5 +1,5 @@
-//! The known state of a PX4 vehicle, as far as it explains why the vehicle can't arm. The state does no input or output,
-//! so the same messages result in the same state.
+//! The known state of a PX4 vehicle, as far as it explains why the vehicle can't arm. This module does no input or
+//! output, so the same messages result in the same state.
 //!
 //! ```text
 //!  bus, capture ──record──▶ checker ──message──▶ Watcher ──▶ Vehicle ──▶ view

@@ -9,7 +9,7 @@ use super::LONG;
 /// The start of simulated time since 1970.
 const START: Duration = Duration::from_secs(1_790_000_000);
 
-/// A thread that waits by simulated time. It leaves when dropped.
+/// A thread that waits by simulated time. It leaves the simulation when dropped.
 #[derive(Debug)]
 pub(super) struct Participant {
     simulation: Arc<Simulation>,
@@ -26,7 +26,7 @@ struct Simulation {
 #[derive(Debug)]
 struct State {
     now: Instant,
-    /// The thread that runs. `None` if all are outside.
+    /// The running thread. `None` if all threads have left.
     turn: Option<usize>,
     waiting: BTreeMap<usize, Waiting>,
     next_id: usize,
@@ -40,7 +40,7 @@ struct Waiting {
 }
 
 impl State {
-    /// Gives the turn to a thread that may have something to do, or else to the one whose time comes first.
+    /// Gives the turn to a thread that may have something to do, or otherwise to the thread with the earliest time.
     fn pass(&mut self) {
         let busy = self.waiting.iter().find(|(_, waiting)| !waiting.is_idle);
         let next = busy.or_else(|| self.waiting.iter().min_by_key(|(id, waiting)| (waiting.until, **id)));
@@ -112,11 +112,11 @@ impl Participant {
         while self.wait(self.now() + LONG, is_over).is_none() {}
     }
 
-    /// Lets the others go on without this thread.
+    /// Lets the other threads continue without this one.
     pub(super) fn leave(&self) {
         let mut state = self.state();
         state.waiting.remove(&self.id);
-        // What this thread did last may concern the others.
+        // The last actions of this thread may concern the others.
         state.waiting.values_mut().for_each(|waiting| waiting.is_idle = false);
         drop(state);
         self.give_turn(None);

@@ -7,12 +7,12 @@ use super::Tree;
 /// The members that are shown next to the field, because they identify a message.
 const IDENTIFYING: [&str; 4] = ["type", "id", "refs", "body"];
 
-/// The maximum depth of the identifying members: those of a message and of its body.
+/// The maximum depth of the identifying members: a message and its body contain them.
 const MAX_DEPTH: usize = 2;
 
 impl Tree<'_> {
     /// The text, reduced to the field at a JSON pointer and to the members that identify a message. Other members are
-    /// replaced by `…`. If there is no such field, the text ends where the pointer leaves it.
+    /// replaced by `…`. If there is no such field, the text ends at the last existing part of the pointer.
     pub fn excerpt_at(&self, pointer: &str) -> String {
         let keys: Vec<String> =
             pointer.split('/').skip(1).map(|key| key.replace("~1", "/").replace("~0", "~")).collect();
@@ -54,7 +54,7 @@ fn write(value: &Tree<'_>, keys: Option<&[String]>, depth: usize, text: &mut Str
 /// A member or element to write: its key, its value, and the rest of the path if the path continues here.
 type Shown<'s, 't> = (Option<&'s str>, &'s Tree<'t>, Option<&'s [String]>);
 
-/// Writes members or elements in brackets. Consecutive ones that are not shown become one `…`.
+/// Writes members or elements in brackets. Consecutive hidden ones become one `…`.
 fn enclosed<'s, 't: 's>(
     [open, close]: [char; 2],
     items: impl Iterator<Item = Option<Shown<'s, 't>>>,

@@ -364,7 +364,7 @@ impl<'t> Tokens<'t> {
             match self.peek() {
                 Some(byte @ (b'{' | b'[')) => {
                     self.at += 1;
-                    // In ASCII, the code of a closing bracket is two higher than that of the opening bracket.
+                    // In ASCII, the code of a closing bracket is the code of the opening bracket plus two.
                     if !self.takes(byte + 2) {
                         open.push(byte + 2);
                         if byte == b'{' {

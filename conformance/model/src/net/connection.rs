@@ -39,8 +39,8 @@ impl Connection {
             .map_or_else(|| not_found(&address.host, "it has no address"), |error| explain(address, error)))
     }
 
-    /// Connects within a time limit. Retries for another time while the connection is refused: a supervisor may need a
-    /// moment to restart a testee that crashed.
+    /// Connects within a time limit. Retries for a further period while the connection is refused: a supervisor may
+    /// need a moment to restart a testee that crashed.
     pub fn open_again(
         address: &Address,
         (limit, retrying): (Duration, Duration),

@@ -24,7 +24,7 @@ pub fn is_object_url(text: &str) -> bool {
     scheme.is_some_and(|scheme| SCHEMES.iter().any(|known| known.eq_ignore_ascii_case(scheme)))
 }
 
-/// A URL without its query, its fragment and its password. Other names stay as they are.
+/// A URL without its query, its fragment and its password. Other names are unchanged.
 pub fn shown_url(name: &str) -> String {
     let Some((scheme, rest)) = name.split_once(SCHEME_END) else { return name.to_owned() };
     let rest = without_query(rest);

@@ -87,7 +87,7 @@ pub fn cases() -> Vec<Case> {
     [AUTOPILOT, COMPONENT, BOTH].into_iter().chain(RULES.into_iter().filter_map(Case::with_bug)).collect()
 }
 
-/// The property that a bus lacks to show a bug, with an example of a bus that has it.
+/// The missing property without which a bus can't show a bug, with an example of a bus that has it.
 pub fn missing(needs: Needs, address: &Address) -> Option<&'static str> {
     match needs {
         Needs::TypeHashes if address.is_dds() => {
@@ -123,7 +123,7 @@ impl Case {
         }
     }
 
-    /// The property that one of the buses lacks to show the bug.
+    /// The property without which one of the buses can't show the bug.
     pub fn missing(&self, buses: &[Address]) -> Option<&'static str> {
         let bug = self.bug()?;
         buses.iter().find_map(|address| missing(bug.needs, address))
@@ -164,7 +164,7 @@ impl Case {
         record: &Path,
     ) -> io::Result<(Checked, Option<String>)> {
         let is_over = AtomicBool::new(false);
-        // A component compares its definitions with those of the flight controller.
+        // A component compares its definitions with the flight controller's definitions.
         let is_component = self.role == Some(Side::Component);
         let options = Options {
             role: self.role,

@@ -13,12 +13,11 @@ use super::protocol::{Format, Hello, Op};
 use super::wire::{FLOAT, to_base64, to_wire};
 
 /// Rules that concern the payload as a whole. A payload that violates one of these rules can't be decoded. If a payload
-/// violates another rule, for example because a `bool` is 153, a codec may reject it, or decode it as a lenient codec
-/// does.
+/// violates another rule, for example because a `bool` is 153, a codec may reject it or decode it leniently.
 static PAYLOAD_RULES: [&Px4Rule; 3] = [&px4::DATA_01, &px4::CDR_01, &px4::CDR_02];
 
-/// A number whose encoding has no byte in common with that of NaN, both as a `float32` and as a `float64`. If NaN is
-/// replaced with this number in a message, exactly the bytes of the float change.
+/// A number whose encoding has no byte in common with the encoding of NaN, both as a `float32` and as a `float64`. If
+/// NaN is replaced with this number in a message, exactly the bytes of the float change.
 pub(super) const UNLIKE_NAN: f64 = 1.1;
 
 /// The offset of the second options byte in the encapsulation header of a CDR payload.
@@ -166,7 +165,7 @@ pub fn cases(definitions: &Definitions, types: &Types) -> Vec<Case> {
 fn cases_in_file(file: &Value, types: &Types) -> Vec<Case> {
     let Some(type_name) = file["type"].as_str() else { return Vec::new() };
     let message = type_name.split_once('/').and_then(|(package, name)| types.find(package, name));
-    // The vectors state a PX4 hash only for types with uORB payloads. Types in other dialects have no memory layout,
+    // The vectors contain a PX4 hash only for types with uORB payloads. Types in other dialects have no memory layout,
     // even if they have a size.
     let builder = CaseBuilder { type_name, message, has_uorb: file.get("hash").is_some() };
     let mut cases = builder.type_cases(file);
@@ -208,7 +207,7 @@ impl CaseBuilder<'_, '_> {
         cases
     }
 
-    /// Adds a case that decodes an event, for each profile with other texts than the one before.
+    /// Adds a case that decodes an event, for each profile whose texts differ from the previous profile.
     fn add_event(&self, vector: &Value, arguments: &[u8], cases: &mut Vec<Case>) {
         let texts = vector["texts"].as_object();
         let mut previous = None;
@@ -339,7 +338,7 @@ impl CaseBuilder<'_, '_> {
     }
 
     /// The expected result of encoding. uORB bytes may lack the trailing padding, as in logs. CDR bytes may have
-    /// trailing padding, and their header may state its length.
+    /// trailing padding, and their header may contain its length.
     fn encoded(&self, rule: Option<&str>, format: Format, bytes: &[u8]) -> Expected {
         let mut right = vec![bytes.to_vec()];
         match (format, self.message.and_then(MessageType::size)) {

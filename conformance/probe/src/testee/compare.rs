@@ -2,7 +2,7 @@
 //!
 //! Numbers are compared as values of the field's type, for example as float32 in float32 fields. NaN equals NaN, and 0
 //! equals -0, because not every JSON writer can represent NaN or -0. Bytes are compared exactly, except for the bits of
-//! a NaN that was encoded from JSON, because JSON doesn't state them.
+//! a NaN that was encoded from JSON, because JSON doesn't contain them.
 
 use std::fmt;
 
@@ -102,9 +102,9 @@ fn compare_bytes(right: &[Vec<u8>], actual: &Value) -> Result<(), Difference> {
     Err(Difference::new(&format!("byte {at}"), excerpt(wanted), excerpt(&bytes)))
 }
 
-/// True if the bytes of a response are right except for the bit patterns of NaNs. The request doesn't state the bits of
-/// a NaN, and languages differ: most write the `float32` `7fc00000`, but C# writes `ffc00000`. All other bytes must be
-/// exactly as expected.
+/// True if the bytes of a response are right except for the bit patterns of NaNs. The request doesn't contain the bits
+/// of a NaN, and languages differ: most write the `float32` `7fc00000`, but C# writes `ffc00000`. All other bytes must
+/// be exactly as expected.
 fn has_other_nans(case: &Case, right: &[Vec<u8>], actual: &Value, types: &Types) -> bool {
     let bytes = actual.as_str().and_then(from_base64);
     let (Op::Encode, Some(format), Input::Value(value), Some(message), Some(bytes)) =
@@ -286,7 +286,7 @@ mod tests {
             let (wanted, actual) = (with(zero.clone(), field, wanted), with(zero.clone(), field, actual));
             compare_message(battery, &wanted, &actual, "").is_ok()
         };
-        // These are equal as float32.
+        // The two values are equal as float32.
         assert!(compare("voltage_v", json!(0.1), json!(0.100_000_001_490_116_12)));
         assert!(!compare("voltage_v", json!(0.1), json!(0.100_000_01)));
         assert!(compare("voltage_v", json!(-0.0), json!(0)));

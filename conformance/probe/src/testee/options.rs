@@ -26,7 +26,7 @@ pub struct Options {
     pub max_timeouts: u32,
     /// The maximum length of a line, in bytes.
     pub line_limit: usize,
-    /// The clock of the time limits. The run only reads it, so another thread must move simulated time.
+    /// The clock of the time limits. The run only reads it, so another thread must advance simulated time.
     pub clock: Clock,
 }
 
@@ -47,12 +47,12 @@ impl Options {
         }
     }
 
-    /// The maximum length of lines between two responses, in bytes. A testee that writes more answers nothing else.
+    /// The maximum length of lines between two responses, in bytes. A testee that writes more counts as unresponsive.
     pub(super) const fn stray_limit(&self) -> usize {
         self.line_limit / 64
     }
 
-    /// The maximum length of all lines of a run that are no correct responses, in bytes.
+    /// The maximum length of all lines of a run that aren't correct responses, in bytes.
     pub(super) const fn wrong_limit(&self) -> usize {
         self.line_limit.saturating_mul(8)
     }

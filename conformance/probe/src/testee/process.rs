@@ -99,7 +99,7 @@ impl Process {
 
     fn end(&mut self) {
         self.kill_group();
-        // It may have ended already.
+        // The process may have ended already.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

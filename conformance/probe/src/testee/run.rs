@@ -102,7 +102,7 @@ struct State {
     /// The requests that were sent at least once.
     sent: BTreeSet<usize>,
     verdicts: Vec<(usize, Verdict)>,
-    /// The number of bytes in lines that are no correct responses.
+    /// The number of bytes in lines that aren't correct responses.
     wrong_bytes: usize,
     protocol_remarks: ProtocolRemarks,
     restarts: u32,
@@ -129,7 +129,7 @@ impl Shared<'_> {
         self.state().gave_up.get_or_insert(why);
     }
 
-    /// Counts the bytes of a line that is no correct response.
+    /// Counts the bytes of a line that isn't a correct response.
     fn count_wrong(&self, length: usize) {
         let limit = self.options.wrong_limit();
         let mut state = self.state();
@@ -164,7 +164,7 @@ struct Worker<'s, 'r> {
     last: Instant,
     /// Requests to repeat alone.
     suspects: VecDeque<usize>,
-    /// The reason why these requests are repeated.
+    /// The reason why suspected requests are repeated.
     suspicion: Option<String>,
     /// The number of restarts since this worker last attributed a crash to a case. Each worker has a separate count,
     /// because each needs some restarts to find a case.
@@ -343,7 +343,7 @@ impl<'s, 'r> Worker<'s, 'r> {
         }
     }
 
-    /// Remarks on a line that is no response to a pending request.
+    /// Adds a remark on a line that isn't a response to a pending request.
     fn stray(&mut self, line: &[u8], what: String) {
         self.shared.remark(what);
         // The line end counts as well, so empty lines can't go on forever.

@@ -1,4 +1,4 @@
-//! Tests with testees in memory that don't work: each run ends soon, and says why.
+//! Tests with testees in memory that don't work: each run ends soon, and reports the reason.
 
 use std::sync::LazyLock;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -26,7 +26,8 @@ fn hello() -> Value {
     json!({ "op": "hello", "name": "calm", "version": "1", "ops": ops, "types": [TYPE] })
 }
 
-/// A testee whose lines a function returns. It takes the id of a request, and the number of requests to the process.
+/// A testee whose lines come from a function. The function takes the id of a request, and the number of requests to the
+/// process.
 fn testee(answer: impl Fn(u64, u32) -> Option<Vec<String>> + Copy + Send + Sync + 'static) -> Options {
     let program = Program::new(move || {
         let mut count = 0;
@@ -74,7 +75,7 @@ fn gives_up_on_a_testee_that_never_responds() {
     let expected = "gave up after 3 consecutive timeouts of 5 s; requests without a response: 32, requests that were \
                     not sent: 468";
     assert_eq!((why.as_str(), time.as_secs()), (expected, 15));
-    // The first timeout has many pending requests.
+    // Many requests are pending at the first timeout.
     assert_eq!((outcome.counts().failed, outcome.counts().not_run), (2, 498));
     assert_eq!(outcome.restarts, 2);
 }
@@ -86,7 +87,7 @@ fn gives_up_on_a_testee_that_responds_once() {
         tested(&testee(move |id, count| Some((count == 1).then(|| unsupported(id)).into_iter().collect())));
     assert!(why.starts_with("gave up after 9 timeouts of 5 s; "), "{why}");
     assert_eq!(time.as_secs(), 45);
-    // A single case that hangs is no reason to give up.
+    // A single case that hangs isn't a reason to give up.
     let options = testee(move |id, _| Some((id != 100).then(|| unsupported(id)).into_iter().collect()));
     let (outcome, why, time) = tested(&options);
     assert_eq!((why.as_str(), outcome.counts().failed, outcome.counts().not_run), ("", 1, 0));

@@ -2,7 +2,7 @@
 
 use super::options::Options;
 
-/// A run also ends after this many times as many timeouts as may follow each other.
+/// The ratio of the maximum number of all timeouts to the maximum number of consecutive timeouts.
 const IN_ALL: u32 = 3;
 
 /// The timeouts of a testee.

@@ -44,7 +44,7 @@ fn member_to_wire(name: &str, value: &Value, message: Option<MessageType<'_>>) -
     }
 }
 
-/// Encodes a float, or an array of floats. A null or an array in place of the other is invalid, and stays as it is.
+/// Encodes a float, or an array of floats. A null or an array in place of the other is invalid, and is unchanged.
 fn float_to_wire(value: &Value, shape: Shape) -> Value {
     match value {
         Value::Null if shape == Shape::Single => json!({ FLOAT: "NaN" }),
@@ -162,7 +162,7 @@ mod tests {
         for (field, plain, wire) in [
             ("voltage_v", Value::Null, nan.clone()),
             ("voltage_cell_v", json!([null, 1.5]), json!([nan, 1.5])),
-            // These values are invalid, and are sent as they are.
+            // Invalid values are sent unchanged.
             ("voltage_cell_v", Value::Null, Value::Null),
             ("voltage_v", json!([null]), json!([null])),
             ("voltage_cell_v", json!([[null]]), json!([[null]])),

@@ -154,9 +154,11 @@ impl Explaining<'_> {
                 unknown += 1;
                 if unknown <= MAX_UNKNOWN {
                     let name = shortened(key).escape_debug().to_string();
-                    let detail =
-                        Detail::new(format!("{} has no such field; found {value}", message_type.name()))
-                            .excerpt(format!("\"{name}\": {}", value.excerpt()));
+                    let detail = Detail::new(format!(
+                        "{} has no such field, but the message contains {value}",
+                        message_type.name()
+                    ))
+                    .excerpt(format!("\"{name}\": {}", value.excerpt()));
                     self.within(key, &name, |within| {
                         within.report(within.rules.members, message_type.span(), detail);
                     });

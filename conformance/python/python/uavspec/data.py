@@ -6,6 +6,8 @@ from typing import Any, Literal, NotRequired, TypedDict
 
 from ._native import __version__
 
+_PACKAGE = files("uavspec")
+
 __all__ = ["Manifest", "Vector", "Vectors", "bundle", "manifest", "schema", "vectors"]
 
 
@@ -86,7 +88,7 @@ class Vectors(TypedDict):
 def manifest() -> Manifest:
     """Returns the names of all schemas, bundles and test vectors."""
     bundle = ".bundle.schema.json"
-    schemas = (file.name for file in files(__package__).joinpath("schemas").iterdir())
+    schemas = (file.name for file in _PACKAGE.joinpath("schemas").iterdir())
     return {
         "version": __version__,
         "bundles": sorted(name.removesuffix(bundle) for name in schemas if name.endswith(bundle)),
@@ -115,7 +117,7 @@ def vectors(name: str) -> Vectors:
 
 def _names(folder: str, ending: str) -> list[str]:
     """The names of the files in the folders of packages."""
-    packages = [found for found in files(__package__).joinpath(folder).iterdir() if found.is_dir()]
+    packages = [found for found in _PACKAGE.joinpath(folder).iterdir() if found.is_dir()]
     paths = ((package.name, file.name) for package in packages for file in package.iterdir())
     return sorted(f"{package}/{name.removesuffix(ending)}" for package, name in paths if name.endswith(ending))
 
@@ -124,5 +126,5 @@ def _find(kind: Literal["bundles", "schemas", "vectors"], name: str, ending: str
     if name not in manifest()[kind]:
         raise LookupError(f"{name!r} is not among the {kind}; manifest()[{kind!r}] lists them")
     folder = "schemas" if kind == "bundles" else kind
-    found = files(__package__).joinpath(folder, *f"{name}{ending}".split("/"))
+    found = _PACKAGE.joinpath(folder, *f"{name}{ending}".split("/"))
     return json.loads(found.read_text(encoding="utf-8"))

@@ -1,4 +1,4 @@
-//! Chooses the release that a capture agrees with.
+//! Chooses the release that a capture matches.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,7 +7,7 @@ use uavspec_px4::json::count_differences;
 
 use super::index::{Family, Index, ReleaseId, ReleaseSet, Row};
 
-/// The facts in a capture that show its release.
+/// The facts in a capture that indicate its release.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Clues {
     /// The formats in a log or of JSON messages, by topic.
@@ -19,7 +19,7 @@ pub struct Clues {
     pub topic_versions: BTreeMap<String, BTreeSet<u32>>,
     /// The firmware's version, as two numbers.
     pub version: Option<(u8, u8)>,
-    /// The ROS distribution that a bag states, such as `humble`.
+    /// The ROS distribution in a bag, such as `humble`.
     pub distribution: Option<String>,
 }
 
@@ -75,8 +75,8 @@ pub(crate) struct Choice {
     pub(crate) known: usize,
     /// The types of other releases that the capture agrees with, by full ROS name.
     pub(crate) others: BTreeMap<String, ReleaseId>,
-    /// The types without a known hash whose size agrees with no definition, or with several ones of releases that agree
-    /// equally well.
+    /// The types without a known hash whose size agrees with no definition, or with several definitions of releases
+    /// that agree equally well.
     pub(crate) undecided: BTreeSet<String>,
 }
 
@@ -92,17 +92,17 @@ struct Match<'c> {
     /// The full ROS name of the definition; for a topic without a match, its name.
     name: &'c str,
     agreeing: ReleaseSet,
-    /// The releases in which a JSON message has the same keys. The lengths of arrays and the values of one message show the
-    /// release less certainly.
+    /// The releases in which a JSON message has the same keys. The lengths of arrays and the values of one message
+    /// indicate the release less reliably.
     by_keys: ReleaseSet,
-    /// True if the capture doesn't show which of several definitions is meant.
+    /// True if the capture doesn't indicate which of several definitions is meant.
     is_undecided: bool,
     /// The releases of each definition that agrees, if the messages have no hash.
     by_size: Option<Vec<ReleaseSet>>,
 }
 
 impl Match<'_> {
-    /// True if the size of the messages doesn't show which definition of these releases is meant.
+    /// True if the size of the messages doesn't indicate which definition of these releases is meant.
     fn is_ambiguous(&self, releases: ReleaseSet) -> bool {
         let Some(definitions) = &self.by_size else { return false };
         let in_releases = definitions.iter().filter(|found| !found.intersection(releases).is_empty()).count();
@@ -113,7 +113,7 @@ impl Match<'_> {
 
 impl Index {
     /// Chooses a release of a family. `None` if the capture has no topic or type of the family, or if no release agrees
-    /// with it. `forced` is the release that the user demands.
+    /// with it. `forced` is the release that the user requests.
     pub(crate) fn choose(&self, clues: &Clues, family: Family, forced: Option<ReleaseId>) -> Option<Choice> {
         let own = self.all_of(family);
         let matches = self.matches(clues, own);
@@ -206,16 +206,16 @@ impl Index {
         matches
     }
 
-    /// The definitions among `rows` that a JSON message is closest to, and the releases of all `rows`. All of them have the
-    /// keys of the message. Without a message, all definitions remain, and no release has its keys.
+    /// The definitions among `rows` that are closest to a JSON message, and the releases whose messages have the same
+    /// keys. These are the releases of all `rows`. Without a message, returns all `rows` and no releases.
     fn closest<'i>(&self, rows: Vec<&'i Row>, message: Option<&JsonClue>) -> (Vec<&'i Row>, ReleaseSet) {
         let Some(message) = message else { return (rows, ReleaseSet::default()) };
         let by_keys = releases(&rows);
         if definitions(&rows).len() < 2 { (rows, by_keys) } else { (self.narrowed(rows, message), by_keys) }
     }
 
-    /// The definitions among `rows` that a JSON message differs from least. If several definitions remain, the version in
-    /// the name of the topic decides.
+    /// The definitions among `rows` with the fewest differences from a JSON message. If several definitions remain, the
+    /// version in the name of the topic decides.
     fn narrowed<'i>(&self, rows: Vec<&'i Row>, message: &JsonClue) -> Vec<&'i Row> {
         let rows = match Tree::read(&message.text) {
             Ok(tree) => self.least_different(rows, &tree),
@@ -230,7 +230,7 @@ impl Index {
         rows.into_iter().filter(|row| versioned.contains(row.type_hash.as_str())).collect()
     }
 
-    /// The definitions among `rows` that a JSON message differs from least.
+    /// The definitions among `rows` with the fewest differences from a JSON message.
     fn least_different<'i>(&self, rows: Vec<&'i Row>, message: &Tree<'_>) -> Vec<&'i Row> {
         let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
         for row in rows.iter().copied() {
@@ -252,8 +252,8 @@ impl Index {
         clues.topic_versions.iter().filter(|(name, versions)| has_version(name, versions)).count()
     }
 
-    /// The releases that agree with a capture as well as `release`. If the topics rule out other releases, those whose
-    /// names denote no fixed state count only if no other release agrees as well.
+    /// The releases that agree with a capture as well as `release`. If the topics rule out other releases, releases
+    /// whose names denote no fixed state count only if no other release agrees as well.
     fn preferred(
         &self,
         family: Family,
@@ -267,7 +267,7 @@ impl Index {
         equal.fold(ReleaseSet::default(), ReleaseSet::with)
     }
 
-    /// True if a capture states this release: the version of the firmware, or the ROS distribution.
+    /// True if a capture contains the name of this release: the version of the firmware, or the ROS distribution.
     fn is_stated(&self, release: ReleaseId, clues: &Clues) -> bool {
         let name = self.release(release).name;
         match self.family(release) {
@@ -292,7 +292,7 @@ fn definitions(rows: &[&Row]) -> Vec<ReleaseSet> {
     found.into_values().collect()
 }
 
-/// The release of a set that is nearest to another release; the newer one of two.
+/// The release of a set that is nearest to another release; the newer one if two are equally near.
 fn nearest(set: ReleaseSet, release: ReleaseId) -> Option<ReleaseId> {
     let newer = set.iter().find(|other| *other > release);
     let older = set.iter().rev().find(|other| *other < release);
@@ -343,7 +343,7 @@ mod tests {
     #[test]
     fn the_version_decides_between_equal_releases() {
         let index = Index::built_in();
-        // All releases define this message in one way.
+        // All releases define this message in the same way.
         let mut clues = clues(index, &[("cpuload", "px4@1.13")]);
         let release = |clues: &Clues| chosen(index, clues).expect("a release").0;
         let newest = release(&clues);
@@ -401,7 +401,7 @@ mod tests {
         assert_eq!(unknown.undecided, [name("Cpuload")].into());
     }
 
-    /// The messages on a vehicle that states no hashes. DDS pads them to a multiple of four bytes.
+    /// The messages on a vehicle that reports no hashes. DDS pads them to a multiple of four bytes.
     #[test]
     fn other_topics_decide_between_definitions_of_the_same_size() {
         let index = Index::built_in();
@@ -429,7 +429,7 @@ mod tests {
             (("FailsafeFlags", 100, None), ("VehicleStatus", 88, Some(4)), ("BatteryStatus", 180, Some(1)));
         assert_eq!(choose(&[flags, status, battery]), ("px4@1.18".to_owned(), 0));
         assert_eq!(choose(&[flags, battery]), ("px4@1.18".to_owned(), 0));
-        // PX4 1.18 and the main branch have flags of this size, and no topic shows which of them it is.
+        // PX4 1.18 and the main branch have flags of this size, and no topic indicates which of them it is.
         assert_eq!(choose(&[flags, ("Cpuload", 20, None)]).1, 1);
         // No release with this status has flags of this size.
         assert_eq!(choose(&[("FailsafeFlags", 89, None), status]).1, 1);

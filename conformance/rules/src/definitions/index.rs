@@ -145,7 +145,7 @@ pub struct Index {
 /// A definition of a release.
 #[derive(Debug)]
 pub(crate) struct ReadDefinition {
-    /// Its type, and the types that it contains.
+    /// The type of the definition, and the types that it contains.
     pub(crate) types: Types,
     /// The type.
     pub(crate) id: MessageId,
@@ -232,7 +232,7 @@ impl Index {
         self.by_name.get(name).into_iter().flatten().map(|at| &self.rows[*at])
     }
 
-    /// The definitions with a full ROS name, or those of a topic. Only ROS names contain a slash.
+    /// The definitions with a full ROS name, or the definitions of a topic. Only ROS names contain a slash.
     pub(crate) fn named(&self, name: &str) -> impl Iterator<Item = &Row> {
         self.of_name(name).chain(self.of_topic(name))
     }

@@ -1,4 +1,5 @@
-//! The definitions that captures are checked against: fixed ones, or those of the release that a capture agrees with.
+//! The definitions that captures are checked against: fixed definitions, or the definitions of the release that a
+//! capture matches.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
@@ -30,11 +31,11 @@ type Documented = HashMap<String, (String, &'static str)>;
 #[derive(Debug)]
 pub struct Library {
     name: String,
-    /// The definitions for captures that don't show their release, read when they are needed.
+    /// The definitions for captures that don't indicate their release, read when they are needed.
     base: OnceLock<Arc<Definitions>>,
     /// True if all captures are checked against the same definitions.
     is_fixed: bool,
-    /// The release that the user demands, with its family.
+    /// The release that the user requests, with its family.
     forced: Option<(Family, ReleaseId)>,
     schemas: Arc<Schemas>,
     events: Arc<EventMetadata>,
@@ -125,7 +126,7 @@ impl Library {
         &self.events
     }
 
-    /// The definitions for captures that don't show their release.
+    /// The definitions for captures that don't indicate their release.
     pub fn base(&self) -> &Arc<Definitions> {
         self.base.get_or_init(|| {
             Arc::new(if let Some((_, release)) = self.forced {
@@ -150,12 +151,12 @@ impl Library {
         self.base.get().map_or(&[], |base| &base.left_out)
     }
 
-    /// True if built-in packages fill what the definitions at a path lack.
+    /// True if built-in packages provide what the definitions at a path lack.
     pub fn has_built_in_packages(&self) -> bool {
         self.base.get().is_some_and(|base| !base.built_in.is_empty())
     }
 
-    /// A name for the definitions: their path, the release that the user demands, or the built-in definitions.
+    /// A name for the definitions: their path, the release that the user requests, or the built-in definitions.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -165,7 +166,7 @@ impl Library {
         !self.is_fixed
     }
 
-    /// True if the user names the release of a family.
+    /// True if the user specifies the release of a family.
     pub fn names_release(&self, family: Family) -> bool {
         self.forced.is_some_and(|(forced, _)| forced == family)
     }
@@ -294,7 +295,8 @@ impl Library {
     }
 }
 
-/// The package of a PX4 release. A message that is declared like a documented message is replaced by that one.
+/// The package of a PX4 release. A message that is declared like a documented message is replaced by the documented
+/// message.
 fn px4_package(text: &str, label: &str, documented: &Documented, sources: &mut SourceMap) -> PackageInput {
     let mut package = PackageInput::new(Family::Px4.name(), Form::Msg(Dialect::Px4), Vec::new());
     package.ros_package = Some(PX4_ROS_PACKAGE.to_owned());

@@ -36,7 +36,7 @@ pub enum Needs {
     Login,
     /// A server that closes connections after some time.
     Farewell,
-    /// A client that waits for the ends of operations as long as by default.
+    /// A client that waits for the end of operations for the default time.
     Patience,
 }
 

@@ -48,7 +48,7 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     if exchange.is_id_in_use {
         exchange.violates(context, || {
             let id = exchange.id.map(body::quoted).unwrap_or_default();
-            Detail::new(format!("another request with the id {id} is not answered yet")).at("/id")
+            Detail::new(format!("another request with the id {id} has not been answered yet")).at("/id")
         });
     }
 }

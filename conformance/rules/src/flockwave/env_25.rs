@@ -40,7 +40,7 @@ struct Order(PerConnection<Answered>);
 /// The answered requests of a connection.
 #[derive(Default)]
 struct Answered {
-    /// Of all answered requests, the location of the one that was sent last.
+    /// The location of the answered request that was sent last.
     latest: Option<Location>,
     is_reported: bool,
 }

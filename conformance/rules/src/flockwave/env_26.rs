@@ -1,7 +1,7 @@
 //! `FW-ENV-26`.
 //!
 //! A value may be valid in one part of the specification and invalid in another. A server that follows either part must
-//! not fail, so this rule reports such values in place of the rules that report other values of the same field.
+//! not fail. For such values, this rule therefore replaces the rules that report other values of the same field.
 
 use uavspec_flockwave::body_schema::Deviation;
 
@@ -45,7 +45,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
             line["msg"]["refs"] = Value::Null;
         }
     }),
-    Mutant::reply_message("null in addition to a body", "UAV-LIST", |message| {
+    Mutant::reply_message("a null error next to a body", "UAV-LIST", |message| {
         message["error"] = json!(null);
     }),
     Mutant::session("an error whose code is null", |session| {

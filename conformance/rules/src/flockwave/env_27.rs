@@ -68,7 +68,7 @@ struct Suspects {
     /// The suspects at the time when the server closed a connection. The probe may find out later that no other cause
     /// explains this end.
     ended: PerConnection<Vec<Suspect>>,
-    /// True if the server closed a connection. It may be shutting down, so further messages are no suspects until the
+    /// True if the server closed a connection. It may be shutting down, so further messages aren't suspects until the
     /// next response.
     is_doubtful: bool,
     /// The latest finding with several suspects.
@@ -184,7 +184,7 @@ impl Suspects {
     }
 }
 
-/// The suspects that may do more than show whether the server still serves.
+/// The suspects, except for requests that only show whether the server still serves.
 fn likely(suspects: &[Suspect]) -> impl Iterator<Item = &Suspect> {
     suspects.iter().filter(|suspect| !suspect.is_control)
 }

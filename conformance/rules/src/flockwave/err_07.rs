@@ -32,7 +32,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     Mutant::errors("a disputed pair of codes", &[65, 132]),
 ]);
 
-/// The code about whose alternative the specification contradicts itself.
+/// The code for which the specification contradicts itself about the alternative.
 const DISPUTED: i128 = 65;
 
 const ALTERNATIVES: [&[i128]; 5] = [&[65, 132], &[66, 134, 199], &[133, 197], &[71, 201], &[72, 139]];

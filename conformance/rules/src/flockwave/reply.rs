@@ -22,7 +22,7 @@ const MAX_LISTED_ITEMS: usize = 4;
 /// Checks that responses of these types contain each requested object in exactly one part.
 pub(super) fn partition(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, types: &[&str]) {
     let Some((request, parts)) = replied(exchange, types) else { return };
-    // Any response fits a request about no objects.
+    // Any response fits a request without objects.
     if request.is_empty() {
         return;
     }
@@ -128,7 +128,7 @@ pub(super) fn listed(exchange: &Exchange<'_>) -> Option<BTreeSet<String>> {
     values.iter().map(id).collect()
 }
 
-/// A list of ids, with its time if that is known.
+/// A list of ids, with its time if known.
 pub(super) struct TimedList {
     ids: BTreeSet<String>,
     time: Option<f64>,
@@ -139,8 +139,8 @@ impl TimedList {
         Self { ids, time: exchange.time }
     }
 
-    /// True if a later response has the same ids, and this list is still recent: objects hardly appear and disappear
-    /// again meanwhile.
+    /// True if a later response has the same ids, and this list is still recent: objects rarely appear and disappear
+    /// again in the meantime.
     pub(super) fn is_confirmed_by(&self, ids: &BTreeSet<String>, exchange: &Exchange<'_>) -> bool {
         let is_recent = |(before, now): (f64, f64)| now - before <= MAX_LIST_AGE;
         self.ids == *ids && self.time.zip(exchange.time).is_some_and(is_recent)

@@ -178,7 +178,7 @@ impl Session {
         self.time += seconds;
     }
 
-    /// Adds a message without an envelope of its own.
+    /// Adds a line that contains this message.
     pub(crate) fn line(&mut self, direction: &str, message: Value) {
         let mut line = self.next(direction);
         line["msg"] = message;

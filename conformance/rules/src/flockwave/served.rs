@@ -37,7 +37,7 @@ pub(super) const fn mutants(connection: &'static str) -> [Mutant; 3] {
 }
 
 /// True if this is the response to a request that tests the rule. Reports a violation if there is no response or no
-/// connection. A missing response is not reported if the session does not show the end of the connection, or if
+/// connection. A missing response is not reported if the session does not contain the end of the connection, or if
 /// messages may be lost.
 pub(super) fn tried(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) -> bool {
     tried_as(context.rule, exchange, context, |detail| detail)

@@ -1,7 +1,7 @@
 //! `FW-SYS-TIME-02`.
 //!
-//! After a request that adjusts the clock, the offset is unknown until the server answers a request that it certainly
-//! received after the adjustment, or the adjustment itself. `FW-SYS-TIME-03` checks adjustments of 0.
+//! After a request that adjusts the clock, the offset is unknown until the server answers the adjustment itself, or a
+//! request that it certainly received later. `FW-SYS-TIME-03` checks adjustments of 0.
 
 use uavspec_flockwave::session::ClockMove;
 

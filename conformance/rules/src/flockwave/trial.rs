@@ -9,12 +9,12 @@ use uavspec_model::Rule;
 
 use super::RULES;
 
-/// The starts of the descriptions with which a probe checks the server after a trial and after a request.
+/// The start of the descriptions of a probe's control requests: after a trial, and after a request.
 pub const AFTER_TRIAL: &str = "after a trial: ";
 /// The start of the detail of a violation that follows a request.
 pub const AFTER_REQUEST: &str = "after a request: ";
 
-/// The end of the description with which a probe checks the server after it sent one message of a trial again.
+/// The end of the description of a control request, if one message of a trial was sent again before it.
 pub const SENT_ALONE: &str = ", sent alone";
 
 /// A short pause between the parts of a message.
@@ -40,7 +40,7 @@ pub(crate) enum Trial {
     Attempts(Strain, fn(&Endpoint) -> Vec<Attempt>),
 }
 
-/// The load that attempts put on a server. Attempts with the lowest load come first, because a server may not survive
+/// The load that attempts put on a server. Attempts with the lowest load come first, because a server might not survive
 /// higher loads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Strain {

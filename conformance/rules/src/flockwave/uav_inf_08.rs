@@ -29,7 +29,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     let is_odd = out.number % 2 == 1;
     out.shift_timestamps(|time| if is_odd { time - 10_000 } else { time });
 }))
-.mutants(&[Mutant::state("a timestamp that goes back", |state| {
+.mutants(&[Mutant::state("a timestamp that goes backwards", |state| {
     state["timestamp"] = 1_789_000_000_000_u64.into();
 })]);
 

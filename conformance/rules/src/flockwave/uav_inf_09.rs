@@ -1,9 +1,9 @@
 //! `FW-UAV-INF-09`.
 //!
 //! The server time is known from SYS-TIME. Its uncertainty is the response time of that request, and the drift of the
-//! clocks since then. After a request that adjusts the clock, the server time is unknown until the server answers a
-//! request that it certainly received after the adjustment, or the adjustment itself. If a client sets the server's
-//! clock back, older timestamps may be later than the server time. The rule then checks nothing more.
+//! clocks since then. After a request that adjusts the clock, the server time is unknown until the server answers the
+//! adjustment itself, or a request that it certainly received later. If a client sets the server's clock back, older
+//! timestamps may be later than the server time. The rule then checks nothing more.
 
 use uavspec_flockwave::session::seconds;
 

@@ -1,8 +1,8 @@
 //! `FW-UAV-LAND-01`.
 //!
-//! The rule applies only if the states in responses to UAV-INF show that the UAV is far above its home position, reports
-//! its state anew, and receives no other command. A UAV may take some time to stop its climb. Each state is therefore
-//! compared with the greatest height since the command.
+//! The rule applies only if the UAV is far above its home position, reports new states in responses to UAV-INF, and
+//! receives no other command. A UAV may take some time to stop its climb. Each state is therefore compared with the
+//! greatest height since the command.
 
 use std::collections::BTreeMap;
 
@@ -66,9 +66,9 @@ struct Landing {
     accepted: Option<f64>,
     /// The receipt of the operation, until its end.
     receipt: Option<String>,
-    /// The first timestamp since then.
+    /// The first timestamp since the command was accepted.
     first: Option<i128>,
-    /// The greatest height in mm since then.
+    /// The greatest height in mm since the command was accepted.
     highest: Option<i128>,
 }
 

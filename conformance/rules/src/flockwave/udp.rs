@@ -78,7 +78,7 @@ impl SessionCheck for Trials {
         }
         served::served(exchange, context);
         let is_answered = exchange.role == Role::Response;
-        // If the recording does not show the end of the connection, a response may still have arrived.
+        // If the recording does not contain the end of the connection, a response may still have arrived.
         let is_over = exchange.role == Role::Unanswered && exchange.record.note.is_some();
         if let (Some(how), true) = (exchange.tried(context.rule), is_answered || is_over) {
             let location =

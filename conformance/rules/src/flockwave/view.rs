@@ -122,7 +122,7 @@ impl<'t> StatusReport<'t> {
         Some(Self { exchange, states: super::body::members(Some(body), "status"), timestamps: &[] })
     }
 
-    /// A report whose states have already been checked. Only their timestamps are left.
+    /// A report whose states have already been checked. Only their timestamps are available.
     pub fn checked(exchange: &'t Exchange<'t>, timestamps: &'t [(&'t str, Tree<'t>)]) -> Self {
         Self { exchange, states: &[], timestamps }
     }

@@ -1,7 +1,7 @@
 //! The publishers and subscribers of a live vehicle, for rules that compare them.
 //!
 //! Buses announce an endpoint again when they learn more about it, such as the name of its node. A pair of endpoints is
-//! therefore reported once, at the end, with all that is known about it.
+//! therefore reported once, at the end, with all known facts about it.
 
 use std::collections::BTreeMap;
 

@@ -1,7 +1,7 @@
 //! Events and reports, for the `PX-EVT-…` rules.
 //!
-//! These rules are checked with the event metadata of the capture, or with a file that the user names. The events that
-//! uavspec knows are those of one release, so another firmware may use their ids with other arguments.
+//! These rules are checked with the event metadata of the capture, or with a file that the user names. uavspec itself
+//! knows the events of one release only, so another firmware may use their ids with other arguments.
 
 use uavspec_dynamic::event::Events;
 use uavspec_px4::checks::{Reports, Step};
@@ -21,7 +21,7 @@ pub(super) fn events<'c>(context: &RuleContext<'c>) -> Option<&'c Events> {
     events.filter(|events| !events.is_empty())
 }
 
-/// A rule on single events, including those in replies of external components. The function returns the field that
+/// A rule on single events, including events in replies of external components. The function returns the field that
 /// violates the rule.
 pub(super) struct Each(pub(super) fn(&RawEvent, &Events) -> Option<(&'static str, Detail)>);
 
@@ -45,7 +45,7 @@ impl Checker for Each {
     }
 }
 
-/// Judges the next step of a report. Returns the violation, if the step is one.
+/// Checks the next step of a report. Returns the violation, if the step is one.
 type Judge = fn(&Step, &Reports, &mut RuleContext<'_>) -> Option<Detail>;
 
 /// A rule on the reports of a channel.

@@ -9,8 +9,8 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
     name: "Sequence of events in a log",
     level: Level::Info,
     status: Status::Advisory,
-    statement: "The `event_sequence` of each event is one more than that of the event before it, \
-                except after a dropout. The number after 65535 is 0.",
+    statement: "The `event_sequence` increases by one with each event, except after a dropout. The number \
+                after 65535 is 0.",
     source: "`event_sequence` of Event",
     applies_to: "logs",
     why: "If numbers are missing, the log lacks events: the reason for a refusal or a failsafe may be \

@@ -38,7 +38,7 @@ fn reasons(step: &Step, reports: &Reports, context: &mut RuleContext<'_>) -> Opt
     Some(Detail::new(text).expected("an event that gives the reason"))
 }
 
-/// The components and modes whose problems no event states. `None` if there are none.
+/// The components and modes whose problems no event reports. `None` if there are none.
 fn unexplained(report: &Report) -> Option<String> {
     let components = report.components.iter().filter(|(bit, component)| {
         component.has_error && !report.problems.iter().any(|problem| problem.component == **bit)

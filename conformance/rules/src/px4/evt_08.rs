@@ -13,26 +13,25 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
     name: "Events about arming agree with the state",
     level: Level::Info,
     status: Status::Advisory,
-    statement: "After an event about arming or disarming, the next `vehicle_status` of the log states \
-                that the vehicle is armed or disarmed, for the same reason.",
+    statement: "After an event about arming or disarming, the next `vehicle_status` of the log has the \
+                same arming state and the same reason.",
     source: "`arming_state`, `latest_arming_reason` and `latest_disarming_reason` of VehicleStatus",
     applies_to: "logs",
     why: "Tools that read the state and ground stations that show events tell the operator different \
           things.",
     example: "10.486 s commander_disarmed_by: 6 (landing)\n\
               10.486 s vehicle_status.latest_disarming_reason: 8",
-    fix: "Set the reason in VehicleStatus to the number that the event states, before the event is \
-          sent.",
+    fix: "Before the event is sent, set the reason in VehicleStatus to the number in the event.",
 })
 .check(Check::State(|| Box::new(Changes::default())))
 .mutants(&[
-    Mutant::ulog("a state with another reason than the event", |flight, log| with_status(flight, log, 2, 4)),
+    Mutant::ulog("a state whose reason differs from the event", |flight, log| with_status(flight, log, 2, 4)),
     Mutant::ulog("a disarmed state after an event about arming", |flight, log| {
         with_status(flight, log, 1, 3)
     }),
 ]);
 
-/// The facts that the first instances of both topics state.
+/// The facts in the first instances of both topics.
 #[derive(Default)]
 struct Changes {
     /// The latest event that no state has followed yet, with its time in µs.
@@ -86,7 +85,7 @@ impl Checker for Changes {
 /// The topic of the state.
 const STATUS: &str = "vehicle_status";
 
-/// The change that an event states.
+/// The change in an event.
 fn change(
     channel: &Channel<'_>,
     values: DynamicView<'_>,
@@ -107,11 +106,11 @@ impl State {
         let stated = self.reasons[event.change];
         let detail = if self.is_armed != arms {
             let state = |is_armed: bool| if is_armed { "armed" } else { "disarmed" };
-            Detail::new(format!("after {name}, vehicle_status states that the vehicle is {}", state(!arms)))
+            Detail::new(format!("after {name}, the vehicle is {} according to vehicle_status", state(!arms)))
                 .expected(state(arms))
                 .actual(state(!arms))
         } else if let Some(other) = stated.filter(|stated| *stated != event.reason) {
-            Detail::new(format!("{name} states another reason than vehicle_status.{field}"))
+            Detail::new(format!("{name} and vehicle_status.{field} have different reasons"))
                 .expected(other.to_string())
                 .actual(event.reason.to_string())
         } else {

@@ -260,7 +260,7 @@ pub(super) fn px4_message<'j>(channel: &Channel<'_>, context: &RuleContext<'j>) 
     (schema.package_of(message).form == Form::Msg(Dialect::Px4)).then_some(message.name.as_str())
 }
 
-/// True if a channel is of PX4: it is in a log, or has PX4 messages.
+/// True if a channel belongs to PX4: it is in a log, or has PX4 messages.
 pub(super) fn is_of_px4(channel: &Channel<'_>, context: &RuleContext<'_>) -> bool {
     channel.multi_id.is_some() || px4_message(channel, context).is_some()
 }

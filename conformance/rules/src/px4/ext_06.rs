@@ -5,9 +5,9 @@
 //! Replies on different topics are not compared, because PX4's message translation node publishes each reply in several
 //! versions.
 //!
-//! Request ids repeat after 256 requests, so only replies to the two latest requests in the file are compared, and only
-//! if their times differ by at most [`MAX_DISTANCE`]. If a reply answers neither request, requests may be missing from
-//! the capture, and all replies so far are forgotten.
+//! Request ids repeat after 256 requests, so only replies to the two latest requests in the file are compared. Their
+//! times must differ by at most [`MAX_DISTANCE`]. If a reply answers neither request, requests may be missing from the
+//! capture, and all replies so far are forgotten.
 
 use std::collections::VecDeque;
 

@@ -1,9 +1,10 @@
 //! `PX-EXT-07`.
 //!
 //! A capture may lack requests, and components may choose ids that aren't random. A reply with a known id may therefore
-//! belong to a request that the capture lacks. A finding requires that all replies with the id have names that no
-//! request with the id has, so it is reported at the end of the capture. Replies with unknown ids are not checked.
-//! Names that aren't UTF-8 violate PX-STR-01, and are not compared. Dropouts and unreadable data may have contained other requests, so all requests so far are forgotten.
+//! belong to a request that the capture lacks. A finding requires that no reply with the id has the name of a request
+//! with the id, so it is reported at the end of the capture. Replies with unknown ids are not checked. Names that
+//! aren't UTF-8 violate PX-STR-01, and are not compared. Dropouts and unreadable data may have contained other
+//! requests, so all requests so far are forgotten.
 
 use std::collections::HashMap;
 
@@ -40,7 +41,7 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
         }
     },
 ))
-.mutants(&[Mutant::flight("a reply with another name", renamed)]);
+.mutants(&[Mutant::flight("a reply with a different name", renamed)]);
 
 /// The maximum number of stored requests. A flight controller registers far fewer components.
 const REQUESTS: usize = 256;

@@ -1,7 +1,7 @@
 //! `PX-HASH-02`.
 //!
-//! A recording contains the types with which an application was built, if the user named them. They are compared with the
-//! flight controller's responses.
+//! A recording contains the types with which an application was built, if the user named them. These types are compared
+//! with the flight controller's responses.
 //!
 //! PX4's message translation node offers the topics of older versions. A difference is not reported if the application's
 //! version of a topic exists in addition to another version. Endpoints appear at any time, so this is decided at the end.
@@ -39,10 +39,10 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
 .check(Check::State(|| Box::new(Application::default())))
 .bug(Bug::message(
     Side::Autopilot,
-    "The `message_hash` of each MessageFormatResponse is that of another definition.",
+    "The `message_hash` of each MessageFormatResponse belongs to a different definition.",
     |out| out.edit(1, |response: &mut MessageFormatResponse| response.message_hash ^= 1),
 ))
-.mutants(&[Mutant::mcap("an application with another definition", |flight, mut bag| {
+.mutants(&[Mutant::mcap("an application with a different definition", |flight, mut bag| {
     flight.topic("MessageFormatResponse")?;
     bag.application.first_mut()?.hash ^= 1;
     Some(bag)
@@ -57,7 +57,7 @@ struct Application {
     differences: Vec<Difference>,
 }
 
-/// A response with another hash than the application's type.
+/// A response whose hash differs from the hash of the application's type.
 struct Difference {
     /// The topic without a version.
     topic: String,
@@ -136,7 +136,7 @@ impl Difference {
         versioned(&self.topic, self.ty.version)
     }
 
-    /// `other` is the vehicle's topic if that of the application doesn't exist.
+    /// `other` is the vehicle's topic if the application's topic doesn't exist.
     fn detail(&self, other: Option<&String>) -> Detail {
         let Self { ty, hash, .. } = self;
         let [own, vehicle] = [ty.hash, *hash].map(|hash| released_type(&ty.name, hash));
@@ -148,7 +148,7 @@ impl Difference {
         });
         let other = other.map(|other| format!(". There is no topic {}, only {other}", self.own_topic()));
         let text = format!(
-            "{name}: the application has {}, but the vehicle has {}{}{}",
+            "{name}: the application uses {}, but the vehicle uses {}{}{}",
             origins[0],
             origins[1],
             differences.unwrap_or_default(),
@@ -160,7 +160,9 @@ impl Difference {
 }
 
 fn origin(ty: Option<&ReleasedType>) -> String {
-    ty.map_or("a definition of no known release".to_owned(), |ty| format!("that of {}", ty.releases()))
+    ty.map_or("a definition of no known release".to_owned(), |ty| {
+        format!("the definition of {}", ty.releases())
+    })
 }
 
 /// The effect of differences between two texts that PX4's hash covers. CDR contains the values in this order.

@@ -43,7 +43,7 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
     }),
 ]);
 
-/// The policies of which one endpoint offers less than the other requests.
+/// The policies for which one endpoint offers less than the other requests.
 fn violations(endpoint: &Endpoint, other: &Endpoint) -> Option<Vec<Detail>> {
     let (publisher, subscriber) = match (endpoint.kind, other.kind) {
         (EndpointKind::Publisher, EndpointKind::Subscriber) => (endpoint, other),
@@ -57,7 +57,7 @@ fn violations(endpoint: &Endpoint, other: &Endpoint) -> Option<Vec<Detail>> {
     Some(conflicts.into_iter().map(|conflict| conflict.detail(publisher, subscriber)).collect())
 }
 
-/// A policy of which a publisher offers less than a subscriber requests.
+/// A policy for which a publisher offers less than a subscriber requests.
 struct Conflict {
     policy: &'static str,
     offered: String,
@@ -76,7 +76,7 @@ impl Conflict {
     }
 }
 
-/// The policies of which less is offered than requested.
+/// The policies for which less is offered than requested.
 fn conflicts(offered: &Qos, requested: &Qos) -> Vec<Conflict> {
     let time =
         |time: Option<Duration>| time.map_or_else(|| "unlimited".to_owned(), |time| format!("{time:?}"));

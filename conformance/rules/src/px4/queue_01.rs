@@ -49,7 +49,7 @@ impl Checker for Bursts {
         let message = channel.definition.map(|id| context.definitions.schema.message(id));
         let length = message.and_then(|message| message.queue_length).unwrap_or(DEFAULT);
         self.channels.open(channel, Burst { length, ..Burst::default() });
-        // Publishers rely on a longer queue only if the definition states one.
+        // Publishers rely on a longer queue only if the definition specifies one.
         if length > DEFAULT { Interest::Times } else { Interest::Nothing }
     }
 

@@ -41,7 +41,7 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
 )]);
 
 /// The greatest step back of a message whose time is wrong, in µs. PX4 sends the time since 1970 once its clock is
-/// synchronised with that of the computer, and the time since boot before that.
+/// synchronised with the computer's clock, and the time since boot before that.
 const MAX_STEP: u64 = 3_600_000_000;
 
 #[derive(Default)]
@@ -62,12 +62,12 @@ struct Time {
     logged: Option<u64>,
     /// The longest recent pause between two messages, in µs; 0 if there was none.
     pause: u64,
-    /// The latest message, if its time is earlier than that of the message before it, and the next message shows whether
+    /// The latest message, if its time is earlier than the time of the previous message. The next message shows whether
     /// the clock was set.
     early: Option<Early>,
 }
 
-/// A message with an earlier time than the one before it.
+/// A message with an earlier time than the previous message.
 #[derive(Clone, Copy)]
 struct Early {
     timestamp: u64,
@@ -77,15 +77,15 @@ struct Early {
 }
 
 impl Early {
-    /// The difference to the time of the message before it, in µs.
+    /// The difference to the time of the previous message, in µs.
     const fn step(self) -> u64 {
         self.previous - self.timestamp
     }
 
-    /// True if only the time of this message is wrong. If the clock was set back instead, it runs on from this time, so the
-    /// time of the next message is later only by the pause between the two. Otherwise, it is also later by the step and
-    /// the pause before this message. The limit is halfway between, because times vary. `pause` is the longest recent
-    /// pause. Log times show longer pauses.
+    /// True if only the time of this message is wrong. If the clock was set back, the next message is later by the
+    /// pause between the two messages. Otherwise, it is later by this pause, the step and the pause before this
+    /// message. The limit is halfway between these values, because times vary. `pause` is the longest recent pause. Log
+    /// times show longer pauses.
     fn is_alone(self, next: u64, logged: Option<u64>, pause: u64) -> bool {
         let passed = self.logged.zip(logged).map_or(0, |(early, next)| next.saturating_sub(early));
         let longest = passed.max(pause).saturating_add(u64::midpoint(pause, self.step()));
@@ -183,7 +183,7 @@ fn report(
     });
 }
 
-/// Sets the time of a topic's last message but one to the time of its first message.
+/// Sets the time of a topic's second-to-last message to the time of its first message.
 fn back<'d>(flight: &Flight<'d>) -> Option<Flight<'d>> {
     let topic = flight.regular(|_| true)?;
     let last = flight.messages[flight.last_of(topic)?].clone();

@@ -108,7 +108,7 @@ impl Checker for Gaps {
         }
         self.now = self.now.max(timestamp);
         let period = rhythm.period;
-        // After a step back, which PX-TIME-01 judges, the clock is unknown.
+        // After a step back, which PX-TIME-01 checks, the clock is unknown.
         let follow = |latest: &mut u64| {
             let next = if timestamp < *latest { 0 } else { timestamp };
             mem::replace(latest, next)

@@ -25,18 +25,18 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
 .check(Check::State(|| Box::new(Pairs::new(violations))))
 .bug(Bug::announced_type(
     Side::Autopilot,
-    "A second publisher of arming_check_request announces another type hash.",
+    "A second publisher of arming_check_request announces a different type hash.",
 ))
 .mutants(&[
-    Mutant::mcap("an endpoint with another type", |_, bag| {
+    Mutant::mcap("an endpoint with a different type", |_, bag| {
         with_other(bag, |endpoint| "other_msgs/msg/Other".clone_into(&mut endpoint.type_name))
     }),
-    Mutant::mcap("an endpoint with another type hash", |_, bag| {
+    Mutant::mcap("an endpoint with a different type hash", |_, bag| {
         with_other(bag, |endpoint| endpoint.type_hash = Some(format!("RIHS01_{}", "0".repeat(64))))
     }),
 ]);
 
-/// The difference between the types of two endpoints. `None` if one of them states no type.
+/// The difference between the types of two endpoints. `None` if one of them announces no type.
 fn violations(endpoint: &Endpoint, other: &Endpoint) -> Option<Vec<Detail>> {
     let are_known = [endpoint, other].iter().all(|endpoint| !endpoint.type_name.is_empty());
     are_known.then(|| difference(endpoint, other).into_iter().collect())
@@ -55,8 +55,7 @@ fn difference(endpoint: &Endpoint, other: &Endpoint) -> Option<Detail> {
     }
     let [hash, other] = [hash, other].map(|hash| hash.escape_debug().to_string());
     let ty = endpoint.type_name.escape_debug();
-    let text =
-        format!("{found} has another definition of {ty} than {known}: messages are decoded as garbage");
+    let text = format!("{found} and {known} define {ty} differently: messages decode as garbage");
     Some(Detail::new(text).expected(other).actual(hash))
 }
 

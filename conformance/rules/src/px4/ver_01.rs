@@ -18,7 +18,7 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
     example: "topic:      /fmu/out/arming_check_request_v2\n\
               definition: uint32 MESSAGE_VERSION = 1",
     fix: "Change the topic suffix to the version of the message, or build the publisher with the message \
-          version that the suffix states.",
+          version in the suffix.",
 })
 .check(Check::State(|| Box::new(Versions)))
 .mutants(&[Mutant::flight_in(

@@ -54,7 +54,7 @@ impl Bag {
                 hash: message.type_hash.clone(),
             }
         });
-        // A recorder receives the messages in order, whatever their timestamps are.
+        // A recorder receives the messages in order, regardless of their timestamps.
         let mut now = 0;
         let messages = flight.messages.iter().filter_map(|sent| {
             now = now.max(sent.value["timestamp"].as_u64()? * 1_000);

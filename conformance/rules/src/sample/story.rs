@@ -15,7 +15,7 @@ use super::{Flight, START, Sent, Topic, events};
 use crate::definitions::Library;
 use crate::flockwave::sample::Session;
 
-/// The release of the vehicle's messages. The events are those of this release.
+/// The release of the vehicle's messages and events.
 const RELEASE: &str = "px4@1.15";
 
 /// The value of `ver_sw_release` in a log: version 1.15.0, as a release.
@@ -175,20 +175,28 @@ fn micros(seconds: f64) -> u64 {
     START + (seconds * 1e6) as u64
 }
 
+// Levels of events.
+const ERROR: u8 = 3;
+const WARNING: u8 = 4;
+const INFO: u8 = 6;
+const PROTOCOL: u8 = 8;
+
 /// A report about health and arming: without GPS, the vehicle can't arm in modes that require a position.
-fn report(has_fix: bool) -> Vec<[Value; 2]> {
+fn report(has_fix: bool) -> Vec<(u8, [Value; 2])> {
     let (none, gps) = (HealthComponent(0), HealthComponent::GPS);
     let able = if has_fix { u32::MAX } else { WITHOUT_POSITION };
     let (able, unable) = (NavigationModeGroup(able), NavigationModeGroup(!able));
     let error = if has_fix { none } else { gps };
     let summary =
         CommanderArmingCheckSummary { chunk_idx: 0, error, warning: none, can_arm: able, can_run: able };
-    let mut report = vec![events::of(&summary)];
+    let mut report = vec![(PROTOCOL, events::of(&summary))];
     if !has_fix {
-        report.push(events::of(&CheckModesLocalPos { modes: unable, health_component_index: 0 }));
-        report.push(events::of(&CheckEstimatorGpsFixTooLow { modes: unable, health_component_index: GPS }));
+        let position = CheckModesLocalPos { modes: unable, health_component_index: 0 };
+        let fix = CheckEstimatorGpsFixTooLow { modes: unable, health_component_index: GPS };
+        report.extend([(ERROR, events::of(&position)), (ERROR, events::of(&fix))]);
     }
-    report.push(events::of(&CommanderHealthSummary { chunk_idx: 0, is_present: gps, error, warning: none }));
+    let health = CommanderHealthSummary { chunk_idx: 0, is_present: gps, error, warning: none };
+    report.push((PROTOCOL, events::of(&health)));
     report
 }
 
@@ -198,15 +206,16 @@ fn told() -> Vec<(f64, Value)> {
     let told = [
         (BOOT, report(false)),
         (FIX, report(true)),
-        (ARMED, vec![events::of(&CommanderArmedBy { arg0: by_stick })]),
-        (TAKEOFF, vec![events::of(&CommanderTakeoffDetected {})]),
-        (LOW_BATTERY, vec![events::of(&CommanderFailsafeEnterLowBat {})]),
-        (LANDED, vec![events::of(&CommanderLandingDetected {})]),
-        (DISARMED, vec![events::of(&CommanderDisarmedBy { arg0: by_landing })]),
+        (ARMED, vec![(INFO, events::of(&CommanderArmedBy { arg0: by_stick }))]),
+        (TAKEOFF, vec![(INFO, events::of(&CommanderTakeoffDetected {}))]),
+        (LOW_BATTERY, vec![(WARNING, events::of(&CommanderFailsafeEnterLowBat {}))]),
+        (LANDED, vec![(INFO, events::of(&CommanderLandingDetected {}))]),
+        (DISARMED, vec![(INFO, events::of(&CommanderDisarmedBy { arg0: by_landing }))]),
     ];
     let told = told.into_iter().flat_map(|(time, events)| events.into_iter().map(move |event| (time, event)));
-    let fields = |(sequence, (time, [id, arguments])): (u64, (f64, [Value; 2]))| {
-        let levels = 0x66; // information, in the log and on the ground
+    let fields = |(sequence, (time, (level, [id, arguments]))): (u64, (f64, (u8, [Value; 2])))| {
+        // The level in logs, and the level for ground stations.
+        let levels = level << 4 | level;
         (time, json!({ "id": id, "arguments": arguments, "event_sequence": sequence, "log_levels": levels }))
     };
     (0..).zip(told).map(fields).collect()

@@ -49,7 +49,7 @@ pub(super) fn tend(shared: &mut Shared) {
     }
 }
 
-/// Closes all sessions, including those of clients that joined no namespace.
+/// Closes all sessions, including sessions of clients that joined no namespace.
 pub(super) fn close(shared: &Shared) {
     for session in shared.sessions.values() {
         session.close();

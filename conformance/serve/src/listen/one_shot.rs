@@ -1,8 +1,8 @@
 //! HTTP one-shot requests: the body of a POST is a request, and the body of the HTTP response contains the answer.
 //!
-//! The specification doesn't define this transport. The path is that of the protocol's reference server, which also
-//! waits for operations before it answers. The reference server always answers without an envelope. This server adds an
-//! envelope if the request has one, so that rules on envelopes can be tested over HTTP as well.
+//! The specification doesn't define this transport. The path is the same as in the protocol's reference server, which
+//! also waits for operations before it answers. The reference server always answers without an envelope. This server
+//! adds an envelope if the request has one, so that rules on envelopes can be tested over HTTP as well.
 
 use std::collections::BTreeMap;
 use std::rc::Rc;

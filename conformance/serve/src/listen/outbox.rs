@@ -105,7 +105,7 @@ impl Outbox {
                     self.waiting_since.set((!pieces.is_empty()).then(|| self.clock.now()));
                 }
                 Err(error) if error.kind() == ErrorKind::Interrupted => {}
-                // A new connection may not be ready yet.
+                // A new connection might not be ready yet.
                 Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::NotConnected) => {
                     return self.state.get();
                 }

@@ -29,7 +29,7 @@ const LAST_TIME: Duration = Duration::from_millis(500);
 const MAX_LAST_TIME: Duration = Duration::from_secs(2);
 
 /// The event loop. Whenever a socket is ready, the loop visits all sockets, until none of them has anything to do. A socket
-/// that isn't ready costs only a system call, and there are few.
+/// that isn't ready costs only a system call, and there are few sockets.
 pub(crate) struct Reactor {
     shared: Shared,
     sockets: Sockets,

@@ -1,4 +1,4 @@
-//! Seats: the limited places for clients, and the decision which client gives way to a newcomer.
+//! Seats: the limited places for clients, and the decision about which client gives way to a newcomer.
 
 use std::time::{Duration, Instant};
 

@@ -43,7 +43,7 @@ fn spread(text: &str) -> Option<String> {
 pub(super) struct LineClient {
     session: SessionId,
     lines: Lines,
-    /// Lines in another order than received; used only with bugs.
+    /// Reordered lines; used only with bugs.
     reordered: VecDeque<Line>,
 }
 

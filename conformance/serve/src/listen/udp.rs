@@ -89,7 +89,8 @@ impl Datagrams {
         let mut count = 0;
         while count < STEPS_AT_ONCE {
             let received = self.socket.as_ref().and_then(|socket| socket.recv_from(&mut buffer).ok());
-            // Some systems report as an error that an earlier datagram was not delivered. More may follow in the next turn.
+            // Some systems report as an error that an earlier datagram was not delivered. More datagrams may follow in
+            // the next turn.
             let Some((length, address)) = received else { break };
             self.take(shared, address, &buffer[..length]);
             count += 1;

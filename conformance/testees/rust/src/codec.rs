@@ -62,7 +62,7 @@ impl Codec<'_> {
         })
     }
 
-    /// Returns the response to a request. A line without an id gets none.
+    /// Returns the response to a request. A line without an id gets no response.
     pub(crate) fn reply(&self, request: &Value) -> Option<Value> {
         if request["op"] == "hello" {
             return Some(self.hello());

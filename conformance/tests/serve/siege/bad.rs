@@ -179,7 +179,7 @@ impl BadClient {
         Self { address: addresses[transport], behaviour, stream: None }
     }
 
-    /// Connects if necessary, and does the next harm.
+    /// Connects if necessary, and performs the next action.
     fn act(&mut self, random: &mut Random) {
         let is_new = self.stream.is_none();
         if is_new {

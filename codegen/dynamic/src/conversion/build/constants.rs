@@ -100,13 +100,13 @@ fn elements(mut pairs: Vec<(i128, i128)>, is_flags: bool) -> Option<Elements> {
     if pairs.iter().all(|(from, to)| from == to) {
         return None;
     }
-    // Aliases have the same value; the first name decides.
+    // Aliases have the same value; the first name is used.
     let mut seen = BTreeSet::new();
     pairs.retain(|(from, _)| seen.insert(*from));
     Some(if is_flags { Elements::Flags(pairs) } else { Elements::Values(pairs) })
 }
 
-/// The constants whose values another source value has as well after the conversion.
+/// The constants whose converted values equal the converted value of another constant.
 fn merged<'a>(from: &Names<'a>, pairs: &[(i128, i128)]) -> Vec<&'a str> {
     let mut sources: HashMap<i128, BTreeSet<i128>> = HashMap::new();
     for (value, target) in pairs {
@@ -150,7 +150,7 @@ fn names<'a>(side: Side<'a>, field: &'a Field, other: (Side<'a>, &'a Field)) -> 
         let is_bound = other.1.enumeration.is_some();
         let values = found.members.iter().filter_map(|member| {
             let constant = owner.constants.get(member.constant)?;
-            // Without an enum on the other side, only the numbers as written can be compared.
+            // If the other side has no enum, only the written numbers can be compared.
             let value = if is_bound { Some(member.value) } else { constant.value.as_int() };
             Some((constant, value?))
         });

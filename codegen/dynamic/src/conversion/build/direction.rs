@@ -41,7 +41,7 @@ impl<'a> Direction<'a> {
         Self { is_forward, from, to, sources: sources.collect(), pair, pairs }
     }
 
-    /// Sorts a pair of a source and a target item into old and new.
+    /// Orders a pair of a source and a target item as old and new.
     pub(super) fn old_and_new<T>(&self, from: T, to: T) -> (T, T) {
         if self.is_forward { (from, to) } else { (to, from) }
     }

@@ -66,7 +66,7 @@ impl<'a> FieldBuilder<'_, 'a> {
         }
         let source = self.direction.sources.get(&self.target).copied()?;
         let name = &fields[source].name;
-        // A hint that computes the counterpart of a field, or renames it, says that there is no such rename.
+        // A hint that computes or renames the source field excludes it as the counterpart of this field.
         let is_claimed = *name != target.name && self.decisions.renamed.values().any(|other| other == name);
         if is_claimed {
             return None;
@@ -169,7 +169,7 @@ impl<'a> FieldBuilder<'_, 'a> {
         }
         let known = self.conversion.undecided.len();
         let mut rest = self.rest(at);
-        // Both values need a neutral value, whose absence is reported once.
+        // Both conversions use the neutral value. If it is absent, only one finding is reported.
         let is_reported = self.conversion.undecided.len() > known;
         if matches!(elements, Elements::Narrow(Narrowing::Neutral)) && !is_reported {
             rest = self.replacement(at).unwrap_or(rest);
@@ -239,14 +239,14 @@ impl<'a> FieldBuilder<'_, 'a> {
             let field = &target.name;
             self.undecide(
                 Some(at),
-                &format!("has another {name}: {new} instead of {old}"),
+                &format!("has a different {name}: {new} instead of {old}"),
                 &format!("compute it: {side}.{field} = \"…\", or keep the numbers: same = [\"{field}\"]"),
             );
         }
     }
 
-    /// True if two frames are the same, or references, such as `@frame`, to one field or constant that was renamed. Hints
-    /// about the field take precedence.
+    /// True if two frames are equal, or if both are references, such as `@frame`, to the same renamed field or
+    /// constant. Hints about the field take precedence.
     fn is_same_frame(&self, source: &str, target: &str) -> bool {
         if let (Some(from), Some(to)) = (source.strip_prefix('@'), target.strip_prefix('@')) {
             if let Some(name) = self.decisions.renamed.get(to) {
@@ -281,14 +281,14 @@ impl<'a> FieldBuilder<'_, 'a> {
         }
     }
 
-    /// The value of the elements that the source lacks. Reports the elements that the target lacks.
+    /// The value for elements that only the target has. Reports elements that only the source has.
     fn rest(&mut self, at: usize) -> Neutral {
         let (source, target) = (&self.direction.from.message.fields[at], self.field());
         let max = |shape: Shape| shape.bound().unwrap_or(u32::MAX);
         let (from, to) = (source.ty.written().shape, target.ty.written().shape);
         let (before, after) = (max(from), max(to));
         if before > after {
-            self.lose(at, LossKind::Cut, format!("`{}` is cut to {after} elements", source.name));
+            self.lose(at, LossKind::Cut, format!("`{}` is truncated to {after} elements", source.name));
         }
         let string_bound = |field: &Field| match field.ty.element {
             Element::String { bound, .. } => Some(bound.unwrap_or(u32::MAX)),
@@ -297,7 +297,7 @@ impl<'a> FieldBuilder<'_, 'a> {
         if let (Some(before), Some(after)) = (string_bound(source), string_bound(target))
             && before > after
         {
-            self.lose(at, LossKind::Cut, format!("`{}` is cut to {after} characters", source.name));
+            self.lose(at, LossKind::Cut, format!("`{}` is truncated to {after} characters", source.name));
         }
         let is_array = |shape| matches!(shape, Shape::Array(_));
         if is_array(to) && !is_array(from) && to != from {
@@ -317,7 +317,7 @@ impl<'a> FieldBuilder<'_, 'a> {
 
     /// The value that a hint gives.
     fn hinted(&mut self, key: &Key, node: &Node) -> Step {
-        // The name of a field copies the field, which may be an array or a string.
+        // A hint that contains only a field name copies the field, which may be an array or a string.
         if let NodeKind::Name(name) = &node.kind
             && let Some(at) =
                 self.direction.from.message.fields.iter().position(|field| field.name == name.text)

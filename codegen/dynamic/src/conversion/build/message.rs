@@ -74,7 +74,7 @@ impl<'a> Builder<'_, 'a> {
     }
 }
 
-/// Limits fields that count the elements of an array that is cut, except for flags.
+/// Limits the fields that count the elements of a truncated array. Flags are not limited.
 fn limit_counts(direction: &Direction<'_>, conversion: &mut Conversion) {
     for (target, step) in conversion.steps.iter_mut().enumerate() {
         let Step::Copy(copy) = step else { continue };
@@ -92,10 +92,10 @@ fn limit_counts(direction: &Direction<'_>, conversion: &mut Conversion) {
     }
 }
 
-/// The special values of a count that aren't counts up to `most`, and their values in the target. A value is special if
+/// Special values of a count, with their values in the target; counts up to `max` are excluded. A value is special if
 /// either definition annotates or names it, because annotations are often added or removed without a change in meaning.
-/// A value up to `before`, the length of the array in the source, may be a count. It is special only if the source
-/// annotates it.
+/// A value up to `before`, the length of the array in the source, may be a count. Such a value is special only if the
+/// source annotates it.
 ///
 /// The neutral value replaces special values that the target type lacks. The nearest number would have another meaning.
 fn special_counts(
@@ -177,7 +177,7 @@ fn add_losses(direction: &Direction<'_>, conversion: &mut Conversion) {
     conversion.losses.sort_by_key(|loss| loss.source);
 }
 
-/// The fields of the target whose valid values differ from those of their source.
+/// The fields of the target whose valid values differ from the valid values of the source field.
 fn unchecked(direction: &Direction<'_>, conversion: &Conversion) -> Vec<usize> {
     let (from, to) = (direction.from, direction.to);
     let is_unchecked = |(target, step): &(usize, &Step)| {

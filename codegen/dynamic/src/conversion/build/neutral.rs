@@ -9,8 +9,7 @@ use crate::conversion::plan::Neutral;
 
 /// The neutral value of a field, or the reason why the definition has none.
 ///
-/// The value that the definition gives to missing data is the neutral value. NaN is neutral if the definition gives it a
-/// meaning.
+/// The neutral value is the definition's value for missing data. NaN is neutral if the definition gives it a meaning.
 pub(super) fn neutral(schema: &Schema, message: &Message, field: &Field) -> Result<Neutral, String> {
     if field.default.is_some() {
         return Ok(Neutral::Default);

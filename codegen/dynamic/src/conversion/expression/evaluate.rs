@@ -29,7 +29,7 @@ impl Computed {
 }
 
 impl Expression {
-    /// The value of the expression. `field` returns the value of the source field with an index.
+    /// The value of the expression. `field` returns the value of the source field with a given index.
     pub fn value(&self, field: &dyn Fn(usize) -> Computed) -> Computed {
         match self {
             Self::Bool(value) => Computed::Bool(*value),

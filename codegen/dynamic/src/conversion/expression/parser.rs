@@ -32,7 +32,7 @@ const COMPARISON: usize = 2;
 /// The words that can't be names.
 const WORDS: [&str; 9] = ["and", "else", "false", "if", "nan", "not", "or", "then", "true"];
 
-/// Parses `text`. `span` is the location of the text; an error is the location and the message.
+/// Parses `text`. `span` is the location of the text; an error consists of a location and a message.
 pub(in crate::conversion) fn parse(text: &str, span: Span) -> Result<Node, (Span, String)> {
     // Without this check, positions in a string with escapes could lie outside the string.
     let place = |range: Range<usize>| {

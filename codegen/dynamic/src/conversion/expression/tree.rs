@@ -113,7 +113,7 @@ pub(in crate::conversion) enum NodeKind {
 /// The name of a field or a constant.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(in crate::conversion) struct Name {
-    /// The side in front of a constant's name.
+    /// The side that qualifies a constant's name.
     pub(in crate::conversion) side: Option<Side>,
     pub(in crate::conversion) text: String,
     pub(in crate::conversion) span: Span,

@@ -49,7 +49,7 @@ pub(in crate::conversion) fn missing<'h>(
     (0..2).find_map(|target| missing_in_values(hint, target, sides))
 }
 
-/// The first name in the values of one side's fields that the messages lack.
+/// The first name that the messages lack, among the values of one side's fields.
 fn missing_in_values<'h>(hint: &'h Hint, target: usize, sides: [Holder<'_>; 2]) -> Option<(&'h Key, String)> {
     let source = sides[1 - target];
     for (key, value) in &hint.values[target] {

@@ -13,7 +13,7 @@ use crate::{Field, MessageType, part, sequence};
 #[derive(Debug)]
 pub(super) struct Test {
     place: Place,
-    /// The values of the field, by their location in an element.
+    /// The values of the field, with their locations in an element.
     leaves: Vec<(Place, Leaf)>,
     kind: TestKind,
 }

@@ -14,7 +14,7 @@ pub(super) struct Place {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Room {
-    /// An array among the fields.
+    /// An array stored among the fields.
     Fixed(usize),
     /// A sequence with its maximum length.
     Varying(Option<u32>),

@@ -20,7 +20,7 @@ pub(super) enum Owner {
     Message(JsonMessageId, Direction),
 }
 
-/// A place where a type is used: the owner and the field or element, or `None` if the owner is an alias of the type.
+/// A use of a type: the owner and the field or element, or `None` if the owner is an alias of the type.
 pub(super) type User<'s> = (Owner, Option<&'s Member>);
 
 /// The types and messages of a package with their pages and uses.

@@ -1,7 +1,6 @@
 //! The rules of `breaking`. The output in the examples comes from the rules themselves.
 
 use uavspec_dynamic::breaking::{Between, Category, RULES, Rule, breaking};
-use uavspec_lint::report::GUIDE_URL;
 use uavspec_schema::diagnostic::Level;
 use uavspec_schema::example::{Example, packages};
 use uavspec_schema::read::read;
@@ -9,7 +8,7 @@ use uavspec_schema::render;
 use uavspec_schema::source::SourceMap;
 
 use super::chapter::{Chapter, Listing, OVERVIEW, RulePage, rule_link};
-use crate::docs::markdown::{Table, code, gist, link, text_column, with_code};
+use crate::docs::markdown::{Table, code, gist, text_column, with_code};
 
 /// The text above the table.
 const ABOUT: &str = "\
@@ -69,7 +68,7 @@ fn table() -> Table {
     table
 }
 
-/// The level of a change in a category. `None` if no change that the rule reports breaks that category.
+/// The level of a change in a category. `None` if the rule never reports a change that breaks the category.
 fn level(rule: &Rule, category: Category) -> Option<Level> {
     rule.breaks.iter().find(|(broken, _)| *broken == category).map(|(_, level)| *level)
 }
@@ -80,7 +79,6 @@ fn page(rule: &Rule) -> RulePage {
         .filter_map(|category| Some(format!("{}: {}", category.name(), level(rule, category)?.name())));
     let changes = rule.old.iter().zip(rule.new);
     let changes = changes.filter_map(|(old, new)| Listing::difference(old.file(), new.file()));
-    let guide = link("the guide", &format!("{GUIDE_URL}breaking.html#options"));
     RulePage {
         id: rule.id,
         statement: rule.statement,
@@ -90,8 +88,9 @@ fn page(rule: &Rule) -> RulePage {
         fix: rule.fix,
         corrected: Vec::new(),
         configuration: format!(
-            "{} sets the lowest level at which the command fails. See {guide}. Individual changes can't be ignored.",
-            code("--deny LEVEL")
+            "{} sets the lowest level at which the command fails. {} accepts the current changes.",
+            code("--deny LEVEL"),
+            code("--write-baseline FILE")
         ),
     }
 }

@@ -61,7 +61,7 @@ impl Listing {
     }
 }
 
-/// The path of a rule page, to which [`report::rule_url`](uavspec_lint::report::rule_url) points.
+/// The path of a rule page, to which [`report::rule_page`](uavspec_lint::report::rule_page) points.
 pub(super) fn rule_path(id: &str) -> String {
     format!("rules/{id}.md")
 }

@@ -1,7 +1,6 @@
 //! The rules of `lint`. The output in the examples comes from the rules themselves.
 
 use uavspec_dynamic::conversion::Request;
-use uavspec_lint::report::GUIDE_URL;
 use uavspec_lint::{Check, Levels, Measured, Preset, RULES, Rule, Settings, lint};
 use uavspec_schema::diagnostic::Level;
 use uavspec_schema::example::{CONVERTED, catalogues, hints, is_catalogue, packages};
@@ -11,7 +10,7 @@ use uavspec_schema::source::SourceMap;
 use uavspec_schema::{Form, render};
 
 use super::chapter::{Chapter, Listing, OVERVIEW, RulePage, rule_link};
-use crate::docs::markdown::{Table, code, gist, link, text_column, with_code};
+use crate::docs::markdown::{Table, code, gist, text_column, with_code};
 
 /// The level shown for a rule that a preset excludes.
 const OFF: &str = "off";
@@ -167,9 +166,8 @@ fn measured_text(measured: Measured) -> String {
 fn configuration(rule: &Rule) -> String {
     let id = rule.id;
     let off = format!("set {} in `lint.levels` of `uavspec.toml`", code(&format!("{id} = \"off\"")));
-    let guide = link("the guide", &format!("{GUIDE_URL}lint.html#ignore-a-finding"));
     if matches!(rule.check, Check::Ignores) {
-        return format!("To switch the rule off, {off}. See {guide}.");
+        return format!("To switch the rule off, {off}.");
     }
     let ignore = match form(rule.bad.path) {
         _ if rule.bad.is_data() => {
@@ -184,7 +182,7 @@ fn configuration(rule: &Rule) -> String {
         }
         Form::Msg(_) => format!("add {} to the line", code(&format!("# uavspec:ignore {id} REASON"))),
     };
-    format!("To ignore a finding, {ignore}. To switch the rule off, {off}. See {guide}.")
+    format!("To ignore a finding, {ignore}. To switch the rule off, {off}.")
 }
 
 /// The form of an example, by its extension.

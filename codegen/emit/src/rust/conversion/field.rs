@@ -19,7 +19,7 @@ pub(super) struct Fields<'f> {
     pub(super) conversion: &'f Conversion,
 }
 
-/// A value of the source: a place, or a reference to the value.
+/// A value of the source: a place expression, or a reference to the value.
 enum Origin {
     Place(TokenStream),
     Reference(TokenStream),
@@ -56,14 +56,14 @@ impl Fields<'_> {
             .collect()
     }
 
-    /// A number as the type of a field's elements.
+    /// Converts a number to the element type of a field.
     fn wrapped(&self, field: &Field, number: TokenStream) -> TokenStream {
         let Some(reference) = field.enumeration else { return number };
         let path = self.way.enumeration(reference, 1);
         quote!(#path(#number))
     }
 
-    /// A field with `element` in each place.
+    /// A field with `element` as each of its elements.
     fn spread(field: &Field, element: TokenStream) -> TokenStream {
         match field.ty.shape {
             Shape::Single => element,
@@ -241,7 +241,7 @@ impl Copied<'_> {
         }
     }
 
-    /// The number of a value of the source.
+    /// The source value as a number.
     fn raw(&self, origin: &Origin) -> TokenStream {
         match (self.source.enumeration, origin) {
             (Some(_), Origin::Place(value) | Origin::Reference(value)) => quote!(#value.0),
@@ -314,7 +314,7 @@ impl Copied<'_> {
         }
     }
 
-    /// Pairs whose source value the source type has, with target values in the range of the target type.
+    /// The pairs with valid source values. Target values are limited to the range of the target type.
     fn pairs(&self, pairs: &[(i128, i128)], from: Scalar) -> Vec<(i128, i128)> {
         let (low, high) = from.integer_bounds().unwrap_or((0, 0));
         let fitting = pairs.iter().filter(|(from, _)| (low..=high).contains(from));

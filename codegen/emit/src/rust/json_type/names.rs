@@ -54,7 +54,7 @@ impl Names {
         &self.types[(id.0 - self.first) as usize]
     }
 
-    /// True if a type that contains another one is also within it, so that boxing is needed.
+    /// True if a type that contains another type is itself contained in that type. Such a type must be boxed.
     pub(super) fn is_recursive(&self, outer: JsonTypeId, inner: JsonTypeId) -> bool {
         let group = |id: JsonTypeId| self.groups[(id.0 - self.first) as usize];
         group(outer) == group(inner)

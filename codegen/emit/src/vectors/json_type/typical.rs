@@ -38,7 +38,7 @@ impl<'s> Typical<'s> {
         Judge { schema: self.schema }.violations(expression, limits, &value).is_empty().then_some(value)
     }
 
-    /// The fields of an object: all of them, or only the required ones.
+    /// The fields of an object: either all fields, or only the required fields.
     pub(super) fn object(&mut self, object: &Object, with_optional: bool) -> Option<Map<String, Json>> {
         let mut fields = Map::new();
         for field in object.fields.iter().filter(|field| with_optional || field.is_required) {

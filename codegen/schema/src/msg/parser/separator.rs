@@ -13,7 +13,7 @@ const SEPARATOR: &str = "---";
 /// Hyphens, and the dashes that word processors write instead of several hyphens.
 const DASHES: [char; 3] = ['-', '\u{2013}', '\u{2014}'];
 
-/// True for `---`, also with spaces and a comment behind.
+/// True for `---`, optionally followed by spaces and a comment.
 pub fn is_separator(line: &str) -> bool {
     line.strip_prefix(SEPARATOR).is_some_and(|rest| {
         let rest = rest.trim_start_matches([' ', '\t']);
@@ -21,7 +21,7 @@ pub fn is_separator(line: &str) -> bool {
     })
 }
 
-/// Reports text behind a separator. rosidl compares the whole line with `---`.
+/// Reports text after a separator. rosidl compares the whole line with `---`.
 pub(super) fn check(line: &str, span: Span, diagnostics: &mut Vec<Diagnostic>) {
     if line == SEPARATOR {
         return;

@@ -57,7 +57,7 @@ impl<'s> LineParser<'s, '_> {
         Ok(quoted)
     }
 
-    /// Reports a string that rosidl reads otherwise, or rejects.
+    /// Reports a string that rosidl reads differently or rejects.
     fn check_string(&mut self, range: Range<usize>, is_default: bool) {
         let text = &self.line[range.clone()];
         let hint = if text.contains('#') {

@@ -39,7 +39,7 @@ fn check_depth(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
     // Don't report the types that refer to a reported type.
     let is_first = |at: &usize| !steps[*at].iter().any(&is_too_deep);
     let all = || (0..types.len()).filter(is_too_deep);
-    // If all of them are in a cycle, report one of them.
+    // If all these types are in a cycle, report one of them.
     let reported = all().filter(is_first).chain(all()).take(1);
     let diagnostic = |at: usize| {
         let (name, what) = (types[at].name.clone(), "levels of nested types");
@@ -54,7 +54,7 @@ fn check_depth(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
 fn depths(steps: &[Vec<usize>]) -> Vec<usize> {
     let mut depths = vec![0_usize; steps.len()];
     for group in groups(steps) {
-        // The depths of this group are still 0, and those of all successors are known.
+        // The depths of this group are still 0, and the depths of all successors are known.
         let below = group.iter().flat_map(|at| &steps[*at]).map(|next| depths[*next]).max();
         let depth = group.len().saturating_add(below.unwrap_or(0));
         for at in group {
@@ -104,7 +104,7 @@ fn check_size(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
         if sizes[at] > MAX_JSON_ALTERNATIVES {
             let problem = Problem::TooManyParts {
                 name: types[at].name.clone(),
-                what: "alternatives, including those of referenced types",
+                what: "alternatives, including the alternatives of referenced types",
                 max: MAX_JSON_ALTERNATIVES,
             };
             diagnostics.push(Diagnostic::new(problem, types[at].span));

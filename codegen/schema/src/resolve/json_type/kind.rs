@@ -1,4 +1,4 @@
-//! The kinds of values of an expression, including those of referenced types.
+//! The kinds of values of an expression, including the kinds of referenced types.
 
 use std::collections::{HashMap, HashSet};
 

@@ -8,7 +8,8 @@ const OBJECT: [&str; 4] = ["Field", "Required", "Type", "Description"];
 /// The columns of a tuple.
 const TUPLE: [&str; 5] = ["Index", "Element", "Required", "Type", "Description"];
 
-/// The columns of a set. No other columns are allowed, because many tables in prose contain these two and others.
+/// The columns of a set. No other columns are allowed, because many tables in prose contain these two columns and
+/// others.
 const SET: [&str; 2] = ["Value", "Description"];
 
 /// The positions of the columns of a type table. The columns of objects and tuples may be in any order, with other

@@ -124,7 +124,7 @@ impl<'p> Reader<'p> {
         found.iter().map(|paragraph| &paragraph.text).collect()
     }
 
-    /// The paragraphs under a heading, split into those above and those below `table`.
+    /// The paragraphs under a heading, split into paragraphs above and below `table`.
     pub(super) fn around(&self, heading: usize, table: &Table) -> (Vec<&'p Text>, Vec<&'p Text>) {
         self.paragraphs(heading).into_iter().partition(|text| text.span() < table.span)
     }

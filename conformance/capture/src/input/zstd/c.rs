@@ -15,11 +15,12 @@ pub(crate) struct Frames<R> {
     /// The number of bytes that the decoder needs for its next step. With more bytes, an error would hide the bytes
     /// before it.
     needed: usize,
-    /// True if the decoder may have more bytes than there was room for. For the same reason, it returns them first.
+    /// True if the decoder may have more output than fitted into the buffer. This output is returned before more input
+    /// is read.
     is_full: bool,
 }
 
-/// The number of bytes at the start of a frame that show the length of its header.
+/// The number of bytes at the start of a frame that determine the length of its header.
 const START: usize = 5;
 
 impl<R: BufRead> Frames<R> {

@@ -1,4 +1,4 @@
-//! Decompresses frames with ruzstd, which is Rust alone.
+//! Decompresses frames with ruzstd, a pure Rust library.
 
 use std::io::{self, BufRead, ErrorKind, Read};
 

@@ -81,7 +81,7 @@ impl<'c, 'd> SqliteFile<'c, 'd> {
         }
     }
 
-    /// Adds the schema of a type. `is_verified` is true if its text has its type hash.
+    /// Adds the schema of a type. `is_verified` is true if the type hash matches the text.
     fn definition(&mut self, ty: &str, definition: &Definition, is_verified: bool) {
         let Definition { encoding, text, hash, .. } = definition;
         match self.bag.schemas.add(ty.to_owned(), encoding.clone(), text.as_bytes()) {

@@ -1,4 +1,4 @@
-//! Writes JSON messages in the forms that programs use: with the deviations that `check` accepts.
+//! Writes JSON messages as programs write them, with the deviations that `check` accepts.
 
 use serde_json::Value;
 use uavspec_dynamic::{DynamicMessage, MessageType};

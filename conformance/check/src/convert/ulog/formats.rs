@@ -38,8 +38,8 @@ impl Formats {
         Ok(())
     }
 
-    /// Adds the format of a topic that stays the same, with the types that it contains. A nested type gets another name if
-    /// the output has another format of this name. Fails if the topic has the name of another format.
+    /// Adds the format of an unchanged topic, with the types that it contains. A nested type gets another name if the
+    /// output has another format of this name. Fails if the topic has the name of another format.
     pub(super) fn copy(&mut self, topic: &str, log: &LogFormats<'_>) -> Result<(), String> {
         let Some(fields) = log.get(topic) else { return Ok(()) };
         self.copy_types(fields, log);
@@ -63,7 +63,7 @@ impl Formats {
             return Err("its format is too long".to_owned());
         }
         match self.written.get(name) {
-            Some(known) if known != fields => Err(format!("the output has another format `{name}`")),
+            Some(known) if known != fields => Err(format!("the output has a different format `{name}`")),
             _ => Ok(()),
         }
     }
@@ -85,7 +85,7 @@ impl Formats {
         }
     }
 
-    /// Adds a nested type that stays the same, after the types that it contains.
+    /// Adds an unchanged nested type, after the types that it contains.
     fn copy_type(&mut self, name: &str, fields: &str, log: &LogFormats<'_>) {
         let fields = self.renamed(fields);
         let is_other = |known: &str| self.written.get(known).is_some_and(|written| *written != *fields);

@@ -64,7 +64,7 @@ impl<K> Entry<K> {
     }
 
     /// The number of the entry's findings, if they only need to be counted for this UAV. Otherwise, the caller reports
-    /// them, so they only need to be counted from now on.
+    /// the findings now, and only counts them later.
     fn settled(&mut self, uav: &str, findings: &Findings) -> Option<u64> {
         let violations = &self.outcome.as_ref()?.violations;
         if violations.is_empty() {

@@ -27,7 +27,7 @@ pub(super) struct Arming {
 }
 
 impl Arming {
-    /// Records the registrations that a request asks. PX4 sends requests continuously, so requests aren't events.
+    /// Records the registrations that a request addresses. PX4 sends requests continuously, so requests aren't events.
     pub(super) fn request(&mut self, values: DynamicView<'_>, context: &mut Context<'_>) {
         let mask = number(values, "valid_registrations_mask");
         let name = if mask.is_some() { "valid_registrations_mask" } else { REQUEST };

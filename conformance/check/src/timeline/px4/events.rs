@@ -1,4 +1,4 @@
-//! Events: what PX4 says, and the health and arming reports that events make up.
+//! PX4 events, and the health and arming reports that consist of events.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -35,7 +35,7 @@ const PROBLEMS: &str = "Problems";
 /// An event that PX4 sent.
 #[derive(Clone, Debug)]
 pub struct SentEvent {
-    /// The time since the start, in µs. Negative if it is earlier.
+    /// The time since the start, in µs. Negative before the start.
     pub time_us: i64,
     /// The instance in a log, or the topic, if there are several.
     pub subject: Option<Arc<str>>,
@@ -88,7 +88,7 @@ impl Events {
         if let Some(event) = &decoded {
             flights.event(event, context.time);
         }
-        // The lanes of the report show what it says.
+        // The report's lanes show its content.
         if step != Step::Unrelated || decoded.is_some() && raw.level() == Some(LogLevel::Protocol) {
             return;
         }
@@ -97,7 +97,7 @@ impl Events {
         context.lanes.event(lane, context.time, value);
     }
 
-    /// The events, with times since the start. `lanes` are those of the timeline.
+    /// The events, with times since the start. `lanes` are the timeline's lanes.
     pub(in crate::timeline) fn finish(self, start: u64, lanes: &[Lane]) -> Vec<SentEvent> {
         let is_named = lanes.iter().any(|lane| lane.topic == TOPIC && lane.subject.is_some());
         let event = |(time, subject, event): (u64, Arc<str>, RawEvent)| SentEvent {
@@ -150,7 +150,7 @@ pub(in crate::timeline) fn logged_text(level: u8, text: &str, time: u64, lanes: 
     let rank = rank_of(TOPIC) + RANKS / 2;
     let lane = lanes.get((TEXTS, "", TEXTS), || Lane { rank, ..Lane::new(TEXTS, TEXTS, LaneKind::Event) });
     if let Some(lane) = lane {
-        // The levels of syslog are those of events.
+        // Syslog and events use the same levels.
         let severity = severity(LogLevel::external(level));
         lanes.event(lane, time, Value::new(vec![Part::new(text, None)], severity));
     }

@@ -70,7 +70,7 @@ pub struct Flight {
 #[derive(Default)]
 pub(in crate::timeline) struct Flights {
     overview: Overview,
-    /// The channel of the state. With a second one, there are several vehicles, which can't be distinguished.
+    /// The channel of the state. A second channel means several vehicles, which can't be distinguished.
     channel: Option<usize>,
     is_ambiguous: bool,
     /// The subject of the reports.
@@ -80,7 +80,7 @@ pub(in crate::timeline) struct Flights {
     mode: Option<i128>,
     /// The modes in which the vehicle can't arm, according to the latest report.
     refused: Vec<Refused>,
-    /// The refusals that last: the index of each one, by bit.
+    /// The index of each current refusal, by bit.
     open: BTreeMap<u32, usize>,
     /// The latest events about arming and disarming, each with its time.
     reasons: [Option<(u64, Part)>; 2],
@@ -95,7 +95,7 @@ pub struct Refused {
     pub mode: Part,
     /// The reasons.
     pub reasons: Vec<Part>,
-    /// The problems of all modes.
+    /// The problems that concern all modes.
     pub general: Vec<Part>,
 }
 
@@ -105,7 +105,7 @@ fn instant(time: u64) -> i64 {
 }
 
 impl Flights {
-    /// Takes the state from a message of `vehicle_status`. `stated` returns a reason that the message states.
+    /// Takes the state from a message of `vehicle_status`. `stated` returns a reason in the message.
     pub(super) fn status(
         &mut self,
         channel: &Channel<'_>,
@@ -185,12 +185,12 @@ impl Flights {
         self.mode.and_then(|mode| u32::try_from(mode).ok())
     }
 
-    /// The reason in an event nearby, which explains only one change.
+    /// The reason in an event close in time. An event explains only one change.
     fn reason(&mut self, which: usize, time: u64) -> Option<Part> {
         self.reasons[which].take().filter(|(at, _)| time.abs_diff(*at) <= NEAR).map(|(_, part)| part)
     }
 
-    /// Takes the subject of a report. With a second one, there are several vehicles.
+    /// Takes the subject of a report. A second subject means several vehicles.
     pub(super) fn reporter(&mut self, subject: &Arc<str>) {
         self.is_ambiguous |= self.reporter.as_ref().is_some_and(|known| known != subject);
         self.reporter = Some(Arc::clone(subject));
@@ -207,7 +207,7 @@ impl Flights {
         }
     }
 
-    /// Ends the refusals that no longer last or whose reasons have changed, and starts new ones.
+    /// Ends the refusals that no longer apply or whose reasons have changed, and starts new ones.
     fn refuse(&mut self, time: u64) {
         let refused = std::mem::take(&mut self.refused);
         // Measured values in a text vary.
@@ -248,7 +248,8 @@ impl Flights {
         });
     }
 
-    /// The overview, with times relative to `start`. `None` if the capture doesn't show the state of a single vehicle.
+    /// The overview, with times relative to `start`. `None` if the capture doesn't contain the state of a single
+    /// vehicle.
     pub(in crate::timeline) fn finish(mut self, start: u64) -> Option<Overview> {
         if self.is_ambiguous || self.channel.is_none() {
             return None;
@@ -271,7 +272,7 @@ fn part(mode: &ModeGroup) -> Part {
     Part::new(mode.name.clone(), Label::plain(&mode.description))
 }
 
-/// The reasons and the problems of all modes as text. `None` if there are neither.
+/// The reasons and the problems that concern all modes, as text. `None` if there are neither.
 pub fn reasons_text(reasons: &[Part], general: &[Part], text: impl Fn(&Part) -> String) -> Option<String> {
     let joined = |parts: &[Part]| parts.iter().map(&text).collect::<Vec<_>>().join("; ");
     match (reasons, general) {
@@ -286,8 +287,8 @@ pub fn reported_modes(report: &Report) -> Vec<Part> {
     report.modes.values().map(part).collect()
 }
 
-/// The modes in which the vehicle can't arm. If the vehicle can arm in another mode, the problems of all modes prevent
-/// nothing.
+/// The modes in which the vehicle can't arm. If the vehicle can arm in another mode, the problems that concern all
+/// modes don't prevent arming.
 pub fn refused_modes(report: &Report, metadata: &EventMetadata, texts: &Texts) -> Vec<Refused> {
     let can_arm = report.modes.values().any(|mode| mode.can_arm);
     let problems = report.problems.iter().filter_map(|problem| {

@@ -1,7 +1,7 @@
 //! Copies a schema together with all schemas that it refers to.
 //!
-//! Only these are compiled. So other schemas of the same files may be invalid, or use another draft, and the meaning of
-//! references doesn't depend on the compiler.
+//! Only these schemas are compiled. Other schemas in the same files may therefore be invalid, or use another draft. The
+//! meaning of references doesn't depend on the compiler.
 
 use std::collections::{HashMap, HashSet};
 
@@ -16,16 +16,14 @@ use super::places::{Place, Places};
 /// The maximum number of values in all copies. Files that share large schemas contain more values after copying.
 const MAX_COPIED: usize = 150_000;
 
-/// The number of values that a pattern counts like. A pattern takes more memory than other values.
+/// The number of values that a pattern counts as. A pattern takes more memory than other values.
 const PATTERN: usize = 10;
 
-/// The maximum number of schemas in a schema, in which each reference counts like a copy of its target. The compiler and
-/// the checks treat references so. Schemas that refer to each other twice per level therefore need time that doubles
-/// with each level.
+/// The maximum number of schemas in a schema. Each reference counts as a copy of its target, since the compiler and the
+/// checks treat it as a copy. If schemas refer to each other twice per level, the time doubles with each level.
 pub(super) const MAX_SCHEMAS: u64 = 100_000;
 
-/// The maximum nesting depth of values, in which each reference counts like a copy of its target. Checks recurse once
-/// per level.
+/// The maximum nesting depth of values. Each reference counts as a copy of its target. Checks recurse once per level.
 const MAX_DEPTH: u64 = 500;
 
 /// The keywords that don't affect other values: they only describe, name or contain schemas.
@@ -98,12 +96,11 @@ impl<'f, 'p> Bundle<'f, 'p> {
         Ok(bundle)
     }
 
-    /// The size of the schema, in which each reference counts like a copy of its target. References within a cycle count
-    /// once.
+    /// The size of the schema. Each reference counts as a copy of its target. References within a cycle count once.
     pub(super) fn size(&self) -> Size {
         let targets = |part: &Part<'_>| part.references.iter().map(|(_, target)| *target).collect();
         let steps: Vec<Vec<usize>> = self.parts.iter().map(targets).collect();
-        // The sizes of the targets are known, unless a target leads back to the part. Such a target counts 0.
+        // The sizes of the targets are known, unless a target leads back to the part. Such a target counts as 0.
         let mut sizes = vec![Size::default(); self.parts.len()];
         for part in graph::successors_first(&steps) {
             let mut total = self.parts[part].size;
@@ -116,7 +113,7 @@ impl<'f, 'p> Bundle<'f, 'p> {
         sizes[0]
     }
 
-    /// The index of the part that is a copy of this schema. The copy is made later.
+    /// The index of the part that is a copy of this schema. The copy is created later.
     fn part(&mut self, place: Place<'f>, location: String) -> usize {
         *self.by_value.entry(std::ptr::from_ref(place.value)).or_insert_with(|| {
             let (size, references) = (Size::default(), Vec::new());
@@ -140,7 +137,7 @@ impl<'f, 'p> Bundle<'f, 'p> {
         }
         self.parts[part].size.include(Size { count: 1, depth });
         let is_classic = matches!(place.draft, Draft::Draft4 | Draft::Draft6 | Draft::Draft7);
-        // Old drafts ignore what stands next to a reference.
+        // Old drafts ignore keywords next to a reference.
         let is_alone = |name: &str| !is_classic || name == "$ref" || !members.contains_key("$ref");
         let is_used = |name: &str| !INERT.contains(&name) && place.draft.is_known_keyword(name);
         // The compiler also reads keywords of draft 7 that later drafts no longer list.
@@ -173,14 +170,14 @@ impl<'f, 'p> Bundle<'f, 'p> {
         Ok(Value::Object(copy))
     }
 
-    /// The address of the part with this target, which a part refers to.
+    /// The address by which a part refers to the part with this target.
     fn address(&mut self, part: usize, target: Place<'f>, location: String, depth: u64) -> String {
         let target = self.part(target, location);
         self.parts[part].references.push((depth, target));
         address(target)
     }
 
-    /// A copy of a value, which is data apart from these schemas in it.
+    /// A copy of a value that is data, except for these schemas in it.
     fn copy(
         &mut self,
         part: usize,
@@ -208,7 +205,7 @@ impl<'f, 'p> Bundle<'f, 'p> {
         let copied = *self.copied + values;
         if copied > MAX_COPIED {
             let problem = format!(
-                "too many references: with the schemas that they refer to, the schemas contain more than {MAX_COPIED} \
+                "too many references: the schemas and everything that they refer to contain more than {MAX_COPIED} \
                  values"
             );
             return Err(Problem::new(&self.places.file(self.parts[part].place).path, problem));

@@ -15,7 +15,7 @@ use super::Problem;
 const MAX_BYTES: usize = 16 << 20;
 
 /// The maximum number of values in all files of a folder. A value takes more memory than its text. The protocol's
-/// published schemas contain less than 10,000.
+/// published schemas contain fewer than 10,000.
 const MAX_VALUES: usize = 200_000;
 
 /// A file with a JSON Schema, or with definitions for other files.
@@ -109,7 +109,7 @@ fn read(path: &Path, limit: usize) -> Result<String, Problem> {
     Ok(text)
 }
 
-/// At least the number of values in a JSON text: each value but the first follows one of these characters.
+/// An upper bound of the number of values in a JSON text: each value but the first follows one of these characters.
 fn count_values(text: &str) -> usize {
     1 + text.bytes().filter(|byte| b",:[".contains(byte)).count()
 }

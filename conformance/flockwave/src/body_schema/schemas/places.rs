@@ -13,7 +13,7 @@ use super::files::{SchemaFile, address, own_draft};
 /// The base address of files. Files without `$id` refer to each other by names relative to this address.
 const BASE: &str = "uavspec://schemas/";
 
-/// The maximum length of an `$id`, in bytes. References to longer ones lead nowhere.
+/// The maximum length of an `$id`, in bytes. References to longer ids lead nowhere.
 const MAX_ID: usize = 2_048;
 
 /// A schema in a file.
@@ -51,7 +51,7 @@ pub(super) struct Places<'f> {
     documents: Vec<Document<'f>>,
     /// The places of all values, by their address in memory.
     by_value: HashMap<*const Value, Place<'f>>,
-    /// The documents by address, without fragment. `None` if several documents have the address.
+    /// The documents by address, without a fragment. `None` if several documents have the address.
     by_address: HashMap<String, Option<usize>>,
     /// The files by name. `None` if several files have the name.
     by_name: HashMap<&'f str, Option<usize>>,
@@ -219,8 +219,8 @@ impl<'f> Places<'f> {
         self.by_address.get(address.as_str()).copied().flatten()
     }
 
-    /// The file at a relative path, or else with the name at the end of an address. The path in an `$id` may differ from
-    /// the path of its file.
+    /// The file at a relative path; otherwise, the file with the name at the end of an address. The path in an `$id`
+    /// may differ from the path of its file.
     fn named(&self, file: usize, wanted: &str) -> Result<usize, String> {
         let path = path_address(&self.files[file]).ok();
         let address_of = |path: Uri<String>| uri::resolve_against(&path.borrow(), wanted).ok();
@@ -257,7 +257,7 @@ fn path_address(file: &SchemaFile) -> Result<Uri<String>, Problem> {
         .map_err(|error| Problem::new(&file.path, error.to_string()))
 }
 
-/// Adds an index, or `None` if there is another one already.
+/// Adds an index, or `None` if the key already has another index.
 fn put<K: std::hash::Hash + Eq>(map: &mut HashMap<K, Option<usize>>, key: K, index: usize) {
     map.entry(key).and_modify(|known| *known = known.filter(|known| *known == index)).or_insert(Some(index));
 }

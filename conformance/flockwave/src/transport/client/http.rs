@@ -29,7 +29,7 @@ pub(super) struct OneShot {
 }
 
 impl OneShot {
-    /// Creates a client that waits for each answer as long as for the connection.
+    /// Creates a client with the same time limit for each answer as for the connection.
     pub(super) fn connect(target: Target, access: &Access, until: Instant) -> io::Result<Self> {
         let limit = Clock::real().left(until);
         Ok(Self { client: HttpClient::connect(target, access, until)?, limit, answers: VecDeque::new() })
@@ -184,7 +184,7 @@ fn no_answer() -> io::Error {
     timed_out("timed out: no HTTP response")
 }
 
-/// The error of an answer that isn't HTTP. Such answers come from servers that expect TLS, too.
+/// The error of an answer that isn't HTTP. Servers that expect TLS also send such answers.
 pub(super) fn not_http(target: &Target, error: &dyn std::fmt::Display) -> io::Error {
     invalid(format!("the server's answer isn't HTTP ({error}){}", tls_hint(target)))
 }

@@ -27,7 +27,7 @@ const CLOSE_LIMIT: Duration = Duration::from_secs(2);
 /// messages.
 const WAITING_LIMIT: usize = 1;
 
-/// The maximum size of these packets, in bytes.
+/// The maximum total size of the packets that arrive during the handshake, in bytes.
 const EARLY_BYTES: usize = MESSAGE_LIMIT;
 
 /// The default interval between pings.
@@ -259,7 +259,7 @@ impl Client for Polling {
 
 impl Drop for Polling {
     fn drop(&mut self) {
-        // This makes the server end the open poll. Errors don't matter, since the connection is closed anyway.
+        // The packet makes the server end the open poll. Errors don't matter, since the connection is closed anyway.
         let _ = self.send_packets(&[Packet::new(Kind::Close, "")], Clock::real().now() + CLOSE_LIMIT);
     }
 }

@@ -28,7 +28,7 @@ impl Tcp {
         Ok(Self { stream, lines: Lines::new(MESSAGE_LIMIT), has_received: false })
     }
 
-    /// Stores received bytes. Fails if they are a TLS message, with which TLS servers refuse clients without TLS.
+    /// Stores received bytes. Fails if they are a TLS message: TLS servers send one to refuse clients without TLS.
     fn take(&mut self, bytes: &[u8]) -> io::Result<()> {
         let is_first = !std::mem::replace(&mut self.has_received, true);
         if is_first && !self.stream.is_encrypted() && matches!(bytes, [0x15 | 0x16, 3, ..]) {

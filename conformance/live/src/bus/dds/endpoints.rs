@@ -82,7 +82,7 @@ impl<'a> Found<'a> {
     }
 }
 
-/// The known endpoints and participants. Errors say that there are too many.
+/// The known endpoints and participants. An error means that there are too many.
 pub(crate) struct Endpoints {
     own: Prefix,
     known: HashMap<GUID, Endpoint>,

@@ -12,14 +12,14 @@ use uavspec_model::clock::Clock;
 const MAX_GROWTH: u64 = 2 << 30;
 
 /// The growth of memory at which allocations fail, in bytes. A fragment claims 4 GiB at most, so the connection can end
-/// before.
+/// earlier.
 #[cfg(target_os = "linux")]
 const HARD_LIMIT: u64 = 7 << 30;
 
 /// The time between two measurements.
 pub(crate) const INTERVAL: Duration = Duration::from_millis(100);
 
-/// Measures the memory of this process. Only Linux states it.
+/// Measures the memory of this process. Only Linux reports it.
 pub(crate) struct Memory {
     /// The memory at the start of the connection.
     start: u64,

@@ -18,7 +18,7 @@ const TOPICS: [&str; 2] = ["DCPSPublication", "DCPSSubscription"];
 /// The number of announcements that may arrive between two calls of [`Partitions::read`].
 const DEPTH: u32 = 1_024;
 
-/// The number of attempts to read an announcement. rustdds also returns none for each endpoint that ended.
+/// The number of attempts to read an announcement. rustdds also returns no announcement for each endpoint that ended.
 const MAX_SKIPPED: u32 = 16;
 
 /// The maximum number of partitions of an endpoint.
@@ -130,7 +130,7 @@ fn parameter(order: Order, bytes: &[u8]) -> Option<(u16, &[u8], &[u8])> {
     Some((order.u16(*id), value, rest))
 }
 
-/// The strings of a list. An empty name is the default partition, in which an endpoint is without a list, too.
+/// The strings of a list. An empty name denotes the default partition, which also applies without a list.
 fn names(order: Order, value: &[u8]) -> Vec<String> {
     let Some((count, mut rest)) = value.split_first_chunk() else { return Vec::new() };
     let count = order.length(*count).unwrap_or(usize::MAX).min(MAX_PARTITIONS);

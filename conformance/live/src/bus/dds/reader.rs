@@ -94,7 +94,7 @@ impl Decode<'_, Vec<u8>> for RawDecoder {
     type Error = Infallible;
 
     fn decode_bytes(self, body: &[u8], encoding: RepresentationIdentifier) -> Result<Vec<u8>, Infallible> {
-        // rustdds drops the options, which state the number of padding bytes at most.
+        // rustdds drops the options, which contain at most the number of padding bytes.
         Ok([&encoding.to_bytes(), &[0; 2], body].concat())
     }
 }

@@ -16,8 +16,8 @@ use super::reader::{RawReader, Readers};
 /// The maximum number of messages that are read from a topic before the next topic's turn.
 const BATCH: usize = 64;
 
-/// The maximum distance of a late message from the latest one. A greater distance means that the numbers of the publisher
-/// started again.
+/// The maximum distance of a late message from the latest one. A greater distance means that the publisher's numbering
+/// restarted.
 const MAX_LATENESS: u64 = 1_000;
 
 /// A subscribed topic.
@@ -105,7 +105,7 @@ impl Source {
         let (number, is_reliable) = (message.sequence_number.into(), self.is_reliable);
         let publisher = self.publisher(guid, number, endpoints);
         if !is_reliable && publisher.is_late(number) {
-            // It was reported as lost. ROS subscribers also ignore such messages.
+            // The message was reported as lost. ROS subscribers also ignore such messages.
             return;
         }
         publisher.count(number);
@@ -158,7 +158,7 @@ impl Publisher {
         }
     }
 
-    /// Counts missing messages. A low sequence number is a message that was missing.
+    /// Counts missing messages. A low sequence number belongs to a message that was missing.
     fn count(&mut self, number: i64) {
         match number.saturating_sub(self.last) {
             ..=0 => self.missing = self.missing.saturating_sub(1),

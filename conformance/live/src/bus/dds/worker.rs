@@ -48,7 +48,7 @@ const MAX_SOURCES: usize = 1_000;
 /// The number of open files of a topic: two subscribers with two pairs of sockets each.
 const FILES_OF_A_SOURCE: u64 = 8;
 
-/// The number of open files for all topics. Half of the files are left for other purposes.
+/// The number of open files for all topics. Half of the files are reserved for other purposes.
 pub(crate) const FILES: u64 = 2 * FILES_OF_A_SOURCE * MAX_SOURCES as u64;
 
 /// The running thread. It ends when it is dropped.
@@ -116,7 +116,7 @@ impl Drop for Worker {
 
 /// The number of topics for which the process may open files.
 fn max_sources() -> usize {
-    // Half of the files are left for other purposes.
+    // Half of the files are reserved for other purposes.
     let sources = open_files().and_then(|files| usize::try_from(files / 2 / FILES_OF_A_SOURCE).ok());
     sources.map_or(MAX_SOURCES, |sources| sources.min(MAX_SOURCES))
 }

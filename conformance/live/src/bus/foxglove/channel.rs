@@ -68,7 +68,7 @@ fn schema(described: &Tree<'_>, encoding: &str) -> Result<Option<Schema>, String
         // Base64, for encodings of messages that aren't supported.
         (Some("protobuf" | "flatbuffer"), _) => return Ok(None),
         (Some(encoding), _) => encoding,
-        // Old servers don't state the encoding.
+        // Old servers don't announce the encoding.
         (None, "cdr") => "ros2msg",
         (None, "json") => "jsonschema",
         (None, _) => return Ok(None),

@@ -3,7 +3,7 @@
 /// The attachment of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Attachment {
-    /// The number of the message among those of its publisher.
+    /// The sequence number that the publisher gave the message.
     pub sequence: i64,
     /// The time of publication, in ns since 1970.
     pub time: i64,

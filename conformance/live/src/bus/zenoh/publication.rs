@@ -30,7 +30,7 @@ pub(super) struct Publication {
     _token: LivelinessToken,
 }
 
-/// The messages that a transient local publisher stores for later subscribers. The form is that of zenoh-ext's
+/// The messages that a transient local publisher stores for later subscribers. The format is the same as in zenoh-ext's
 /// `AdvancedPublisher`, which `rmw_zenoh` uses.
 struct Store {
     messages: Arc<Mutex<VecDeque<Stored>>>,
@@ -56,7 +56,7 @@ impl Publication {
         (number, token): (u64, &str),
         qos: &Qos,
     ) -> Result<Self, String> {
-        // Like in rmw_zenoh, only a publisher of which nothing may be lost waits for its subscribers.
+        // As in rmw_zenoh, only a publisher whose messages must not be lost waits for its subscribers.
         let waits = qos.reliability == Reliability::Reliable && qos.history == Some(History::KeepAll);
         let congestion = if waits { CongestionControl::Block } else { CongestionControl::Drop };
         let store = match qos.durability {

@@ -1,6 +1,6 @@
 //! The quality of service in tokens: `RELIABILITY:DURABILITY:HISTORY,DEPTH:DEADLINE:LIFESPAN:LIVELINESS,LEASE`.
 //!
-//! The numbers are those of the header `rmw/types.h`. A default value is left out.
+//! The numbers come from the header `rmw/types.h`. A default value is left out.
 
 use std::str::FromStr;
 use std::time::Duration;

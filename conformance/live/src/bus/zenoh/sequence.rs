@@ -7,10 +7,10 @@ use super::attachment::Attachment;
 /// The maximum number of publishers of a topic whose numbers are followed.
 const MAX_PUBLISHERS: usize = 256;
 
-/// The way on which a message arrived.
+/// The way in which a message arrived.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Delivery {
-    /// When it was published.
+    /// Directly after it was published.
     Live,
     /// As a reply to a query for stored messages.
     Stored,
@@ -46,7 +46,7 @@ impl Sequences {
 }
 
 impl Sequence {
-    /// Observes a live message. Only these show gaps: a publisher stores only its latest messages.
+    /// Observes a live message. Only live messages show gaps: a publisher stores only its latest messages.
     fn live(&mut self, number: i64) -> Option<u64> {
         let Some(highest) = self.live else {
             self.live = Some(number);

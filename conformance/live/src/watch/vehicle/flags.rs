@@ -128,7 +128,7 @@ impl Flags {
     pub(crate) fn blocked(&self) -> Vec<(Vec<i128>, Vec<&Known>)> {
         let mut found: Vec<(Vec<i128>, Vec<&Known>)> = Vec::new();
         for mode in 0..NUM_MODES {
-            // Modes such as Land can't be armed in, but they can run.
+            // The vehicle can't arm in modes such as Land, but these modes can run.
             let is_blocking = |(known, state): &(&Known, &State)| {
                 state.number != 0 && state.modes & (1 << mode) != 0 && known.name != PREVENT_ARMING
             };

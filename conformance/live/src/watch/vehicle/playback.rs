@@ -91,7 +91,7 @@ pub struct Shown<'p> {
 }
 
 impl Playback {
-    /// The display of a source. `clock` is that of the calling thread.
+    /// The display of a source. `clock` belongs to the calling thread.
     pub fn new(kind: Kind, clock: Clock) -> Arc<Self> {
         Arc::new(Self { kind, clock, state: Mutex::default(), changed: Condvar::new() })
     }

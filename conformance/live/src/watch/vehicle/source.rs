@@ -21,8 +21,8 @@ const PAUSE: Duration = Duration::from_secs(2);
 /// The maximum time of a connection. After it, the display connects again.
 const MAX_TIME: Duration = Duration::from_secs(365 * 24 * 60 * 60);
 
-/// Receives the messages of a vehicle. Connects again if the connection ends. Returns only if the first connection fails
-/// or the display ends, which `is_stopped` tells.
+/// Receives the messages of a vehicle. Connects again if the connection ends. Returns only if the first connection
+/// fails, or if `is_stopped` returns true.
 pub fn watch_live(
     connect: &dyn Fn() -> Result<Box<dyn Bus>, String>,
     is_stopped: fn() -> bool,

@@ -258,7 +258,7 @@ fn replays_report_files_that_are_no_captures() {
 /// True if the live display has ended.
 static IS_STOPPED: AtomicBool = AtomicBool::new(false);
 
-/// Ends the display when it is dropped, also if the test fails.
+/// Ends the display when it is dropped, even if the test fails.
 struct Stop;
 
 impl Drop for Stop {

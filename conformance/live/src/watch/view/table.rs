@@ -155,7 +155,7 @@ fn cell<'c>(scene: &Scene<'_>, id: &str, uav: &Uav, kind: Kind) -> Line<'c> {
     }
 }
 
-/// The text of a cell, unless it has several styles. `decimals` are those of coordinates.
+/// The text of a cell, unless it has several styles. `decimals` applies to coordinates.
 pub(in crate::watch) fn text(
     fleet: &Fleet,
     (id, uav): (&str, &Uav),

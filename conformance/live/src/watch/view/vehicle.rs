@@ -103,7 +103,7 @@ pub fn text(scene: &Scene<'_>) -> String {
     head.chain(lines.into_iter().map(|line| line.to_string().trim_end().to_owned() + "\n")).collect()
 }
 
-/// Why the vehicle can't arm in a mode, or in any mode. `None` before the first report.
+/// The reasons why the vehicle can't arm in a mode, or in any mode. `None` before the first report.
 pub fn why_not_arm(scene: &Scene<'_>, mode: Option<&str>) -> Option<String> {
     let refused = scene.shown.vehicle.refused.as_deref()?;
     let is_asked = |refused: &&Refused| mode.is_none_or(|mode| refused.mode.is_named(mode));

@@ -91,8 +91,8 @@ fn fitting_length(text: &str, width: usize) -> usize {
     fitting.last().map_or(0, |last| last.end)
 }
 
-/// The characters of a text, each with the selectors that follow it. They make a wide emoji of a narrow character, so the
-/// width of the text is at most the sum of these widths.
+/// The characters of a text, each with the selectors that follow it. Selectors turn a narrow character into a wide
+/// emoji, so the width of the text is at most the sum of these widths.
 fn glyphs(text: &str) -> impl Iterator<Item = Range<usize>> {
     let starts = text.char_indices().skip(1).filter(|(_, character)| *character != EMOJI_SELECTOR);
     let ends = starts.map(|(at, _)| at).chain((!text.is_empty()).then_some(text.len()));

@@ -15,7 +15,7 @@ use super::verifier::AcceptAll;
 use crate::net::timed::Timed;
 use crate::text::terminal;
 
-/// The certificates that a client trusts: those of the operating system, and those of a file.
+/// The certificates that a client trusts: the certificates of the operating system, and the certificates in a file.
 #[derive(Clone, Default)]
 pub struct Trust {
     authorities: Vec<CertificateDer<'static>>,
@@ -26,7 +26,7 @@ pub struct Trust {
 }
 
 impl Trust {
-    /// Trusts the certificates of a PEM file, or any certificate, in addition to those of the operating system.
+    /// Trusts the certificates of a PEM file, or any certificate, in addition to the operating system's certificates.
     pub fn new(authorities: Option<&Path>, is_insecure: bool) -> Result<Self, String> {
         let authorities = authorities.map(read).transpose()?.unwrap_or_default();
         Ok(Self { authorities, is_insecure, ..Self::default() })

@@ -91,7 +91,7 @@ fn refuses(
     members: &[&str],
     value: Option<&Value>,
 ) -> Result<(), String> {
-    // A testee that answers nothing is not at fault for this request.
+    // If a testee answers nothing, this request isn't the cause.
     session.check_alive(case)?;
     for member in members {
         let (id, mut request) = session.request(case);

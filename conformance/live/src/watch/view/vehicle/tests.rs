@@ -33,7 +33,7 @@ fn scene<'s>(shown: &'s Shown<'s>, language: &'s str, is_coloured: bool) -> Scen
     }
 }
 
-/// Draws a frame after these keys.
+/// Draws a frame after these keys were pressed.
 fn frame(scene: &Scene<'_>, keys: &str, (width, height): (u16, u16)) -> Buffer {
     let playback = Playback::new(Kind::Replay, Clock::simulated());
     let mut pages = Pages::default();
