@@ -61,11 +61,11 @@ pub(super) struct SelfTestArgs {
     /// Check captures only; start no servers.
     #[arg(long)]
     recordings_only: bool,
-    /// Probe only the PX4 references: within the process, or over these buses.
+    /// Probe only the PX4 references: within the process, or over the buses at these URLs.
     ///
-    /// The URLs are the same as for `uavspec probe`, such as dds://0. Each bus is used by one pair of participants at a time, so
-    /// more buses shorten the test. In a DDS domain, the participants communicate on this computer only. Don't use the
-    /// bus of a real vehicle.
+    /// The URLs are the same as for `uavspec probe`, such as `dds://0`. Each bus is used by one pair of participants at a
+    /// time, so more buses shorten the test. In a DDS domain, the participants communicate on this computer only. Don't use
+    /// the bus of a real vehicle.
     #[arg(
         long,
         value_name = "URL",

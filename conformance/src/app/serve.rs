@@ -84,7 +84,7 @@ pub(super) struct ServeArgs {
     socketio: Vec<SocketAddr>,
     /// Serve the arming checks of a PX4 flight controller on this bus, instead of a Flockwave server.
     ///
-    /// The URLs are the same as for `uavspec probe`, such as dds://0. Don't use the bus of a real vehicle.
+    /// The URLs are the same as for `uavspec probe`, such as `dds://0`. Don't use the bus of a real vehicle.
     #[arg(long, value_name = "URL", conflicts_with_all = ["tcp", "udp", "http", "socketio"])]
     px4: Option<Address>,
     /// Run a reference external component instead of a flight controller.
