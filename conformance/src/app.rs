@@ -393,7 +393,7 @@ fn library(path: Option<&Path>, dialect: Option<Dialect>, schemas: &[PathBuf]) -
     }
     if library.has_built_in_packages() {
         terminal::eprintln!(
-            "note: the built-in definitions of ROS 2 fill the packages that {} lacks",
+            "note: the packages that {} lacks come from the built-in definitions of ROS 2",
             library.name()
         );
     }

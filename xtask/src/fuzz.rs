@@ -27,7 +27,7 @@ pub(crate) struct Arguments {
     /// Seed of the random changes. With the same seed and inputs, a run makes the same changes [default: random]
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u32).range(1..))]
     seed: Option<u32>,
-    /// After each run, replace the inputs in xtask/fuzz/corpus by the smallest selection with the same coverage
+    /// After each run, replace the inputs in xtask/fuzz/corpus with the smallest selection with the same coverage
     #[arg(long)]
     minimise: bool,
     /// List the targets

@@ -33,7 +33,7 @@ macro_rules! winch {
 }
 pub(super) use winch;
 
-/// Example event metadata of a component, from its members after the namespace.
+/// Example event metadata: a component with these members after its namespace.
 macro_rules! winch_events {
     (version $version:literal: $($line:literal),* $(,)?) => {
         Example {

@@ -34,7 +34,7 @@ fn case(name: &str, outcome: Outcome) -> Checked<'_> {
     (Name::case(name), outcome)
 }
 
-/// The result of a rule, which has a subject if it failed.
+/// The result of a rule. A failed result has a subject.
 fn of_rule<'r>(id: &'r str, subject: &'r str, file: &'r str, outcome: Outcome) -> Checked<'r> {
     let forms = matches!(outcome, Outcome::Failed(_)).then(|| subject.into());
     (Name { forms: forms.into_iter().collect(), ..Name::rule(id, file) }, outcome)

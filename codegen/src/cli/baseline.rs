@@ -33,7 +33,7 @@ pub struct BaselineArgs {
     fix_baseline: bool,
     /// Add all findings that no baseline lists to this baseline, so that they count as known
     ///
-    /// If the file exists, its comments and the reasons of its entries stay, and entries that no longer apply are removed
+    /// If the file exists, its comments and the reasons for its entries stay, and entries that no longer apply are removed
     /// or updated. Then write a reason into each new entry.
     #[arg(long, value_name = "FILE")]
     write_baseline: Option<PathBuf>,
@@ -125,7 +125,7 @@ impl Baselines {
     }
 
     /// Compares the baselines with results that are in memory, and updates them if the options request this. `count`
-    /// adds all results. Returns true if a baseline is out of date.
+    /// adds all results to the sums. Returns true if a baseline is out of date.
     pub fn compare(&mut self, scope: Scope<'_>, count: impl Fn(&Lists, &mut Sums)) -> Result<bool, Failure> {
         let counted = |lists: &Lists| {
             let mut sums = lists.sums(scope);

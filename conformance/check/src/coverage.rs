@@ -206,7 +206,7 @@ impl PartResult {
             Self::OwnSchema => "checked against its own schema",
             Self::Different => "with a different format (partly checked)",
             Self::Undecodable => "with undecodable records",
-            Self::Keyless => "with messages without keys (partly checked)",
+            Self::Keyless => "with empty messages (partly checked)",
             Self::Unsupported => "in an unsupported encoding",
             Self::TooMany => "with too many fields",
             Self::Undefined => "without a definition",

@@ -9,7 +9,7 @@ pub(crate) const MAX_REMEMBERED: usize = 8 << 20;
 /// character has up to four bytes.
 pub const MAX_ID: usize = 256;
 
-/// The maximum length of the stored reason of a failure, in characters.
+/// The maximum length of the stored reason for a failure, in characters.
 pub(crate) const MAX_FAILURE: usize = 200;
 
 /// The maximum number of stored ids that are not strings, for each connection.

@@ -43,12 +43,12 @@ fn requests(stream: &mut dyn Read) -> Vec<Incoming> {
     all
 }
 
-/// Reads the frames of a WebSocket, as a whole and in pieces. The first byte selects the side.
+/// Reads WebSocket frames, as a whole and in pieces. The first byte selects the side.
 pub(super) fn web_socket(data: &[u8]) {
     let Some((first, data)) = data.split_first() else { return };
     let role = if first % 2 == 0 { Role::Server } else { Role::Client };
     let whole = messages(data, role);
-    // The library replaces the reason of an invalid close frame.
+    // The library replaces the reason in an invalid close frame.
     let is_data = |message: &&Message| message.is_text() || message.is_binary();
     let length: usize = whole.iter().filter(is_data).map(Message::len).sum();
     assert!(length <= data.len(), "{length} bytes from {}", data.len());
@@ -58,7 +58,7 @@ pub(super) fn web_socket(data: &[u8]) {
     }
 }
 
-/// The messages of a WebSocket until the first error.
+/// The WebSocket messages until the first error.
 fn messages(input: impl Read, role: Role) -> Vec<Message> {
     let limit = MESSAGE_LIMIT + 1024;
     let config = WebSocketConfig::default().max_message_size(Some(limit)).max_frame_size(Some(limit));

@@ -250,7 +250,7 @@ impl Probe<'_, '_> {
     }
 }
 
-/// The reason of a refusal, without the type of the request.
+/// The reason for a refusal, without the type of the request.
 fn reason(answer: &Value, type_name: &str) -> Option<String> {
     let is_refusal = answer["body"]["type"] == "ACK-NAK";
     is_refusal.then(|| answer["body"]["reason"].as_str().unwrap_or_default().replace(type_name, "…"))

@@ -93,7 +93,7 @@ pub(super) struct CheckArgs {
     /// are followed. Other files in folders are listed as not checked, unless they are hidden.
     ///
     /// URLs are s3://BUCKET/FOLDER, gs://BUCKET/FOLDER, az://CONTAINER/FOLDER, and https://HOST/PATH: a capture, or a list
-    /// with a URL in each line. Credentials come from the environment, or from the machine in a cloud. URLs require a
+    /// with one URL per line. Credentials come from the environment or, in a cloud, from the machine. URLs require a
     /// program that was built with the feature `stores`.
     #[allow(clippy::doc_markdown, reason = "the help would show the marks of links")]
     #[arg(required = true, value_name = "FILE|URL")]

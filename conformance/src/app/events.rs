@@ -13,7 +13,7 @@ pub(super) struct EventsArgs {
     /// Event metadata of the firmware, for messages that come without it.
     ///
     /// The file `all_events.json` or `all_events.json.xz` that PX4's build writes. Logs and MCAP files that contain event
-    /// metadata don't use this file. The file of another build may result in wrong texts and wrong values of arguments.
+    /// metadata don't use this file. A file from another build may result in wrong texts and wrong argument values.
     #[arg(long, value_name = "FILE")]
     pub(super) events: Option<PathBuf>,
 }

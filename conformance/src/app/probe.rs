@@ -118,7 +118,7 @@ pub(super) struct ProbeArgs {
     /// If one of them doesn't appear, the probe is incomplete.
     #[arg(long, value_name = "SECONDS", value_parser = seconds, requires = "allow_commands")]
     uav_timeout: Option<Duration>,
-    /// Time to land the UAVs, stop their motors and wake them after everything else [default: 120].
+    /// Time to land the UAVs, stop their motors and wake them at the end of the probe [default: 120].
     ///
     /// The probe does this even if it is interrupted, the time limit is reached or the connection is lost. It connects
     /// again as often as necessary.

@@ -78,7 +78,8 @@ async fn read_folder(
     while let Some(meta) = objects.try_next().await? {
         length += add(&mut listed, store, url, meta);
         if length > limit {
-            let problem = format!("the URLs in the folder are longer than {} bytes", thousands(limit));
+            let problem =
+                format!("the URLs in the folder have more than {} bytes in total", thousands(limit));
             return Ok(Err(problem + ": specify a subfolder"));
         }
     }
@@ -151,7 +152,8 @@ fn read_list(url: &Url, object: &Object) -> Result<Listed, String> {
     Ok(listed)
 }
 
-/// Connects to the store of a URL. Credentials come from the environment, or from the machine in a cloud.
+/// Connects to the store of a URL. Credentials come from the environment or, on a cloud machine, from its metadata
+/// service.
 fn connect(url: &Url, scheme: &ObjectStoreScheme, budget: &Budget) -> Result<Arc<dyn ObjectStore>, String> {
     prepare_tls();
     let connector = Connector(budget.clone());

@@ -219,7 +219,8 @@ impl Checker {
     /// # Errors
     /// Fails if the capture can't be read, or without a timeline in the options.
     pub fn explain(&self, capture: &Capture) -> Result<Timeline, Problem> {
-        let texts = self.texts.as_ref().ok_or_else(|| Problem::new("the options have no timeline"))?;
+        let texts =
+            self.texts.as_ref().ok_or_else(|| Problem::new("the timeline is not enabled in the options"))?;
         let failed = |reason: &dyn fmt::Display| capture.problem(reason);
         let input = capture.input().map_err(|reason| failed(&reason))?;
         let (_, timeline) = CaptureTimeline::check(&input, None, &self.library, texts, &|bytes| bytes)

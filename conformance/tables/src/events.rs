@@ -13,8 +13,8 @@ const MAX_TEXTS: usize = 16 << 20;
 pub(super) static TABLE: Table<EventRow> = Table {
     name: "events",
     description: "An event that PX4 sent on the topic `event`. The texts come from the event metadata, and are empty if \
-                  it doesn't define the event. Only with `--timeline`. A capture has up to 100,000 rows, with \
-                  up to 16 MiB of text.",
+                  it doesn't define the event. Only with `--timeline`. A capture yields at most 100,000 rows, with \
+                  at most 16 MiB of text.",
     columns: &[
         Column::text("name", "The name, such as `px4::commander_armed_by`.", |row| row.name.as_deref()),
         Column::text("capture", "The path or URL.", |row| Some(&row.capture)),

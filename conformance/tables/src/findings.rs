@@ -7,7 +7,7 @@ use super::column::{Column, Table};
 pub(super) static TABLE: Table<FindingRow> = Table {
     name: "findings",
     description: "The findings of a rule in a topic or field of a capture. Apart from the count, a row describes the \
-                  first of them.",
+                  first finding.",
     columns: &[
         Column::text("rule", "The id of the rule.", |row| Some(row.rule)),
         Column::text("capture", "The path or URL.", |row| Some(&row.capture)),

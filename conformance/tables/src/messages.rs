@@ -179,7 +179,7 @@ impl Reader<'_> {
         let names: BTreeSet<&str> = self.found.iter().map(|(name, _)| name.as_str()).collect();
         if names.len() > 1 {
             let names: Vec<&str> = names.into_iter().collect();
-            return Some(format!("there are several topics `{topic}`: name one of {}", names.join(", ")));
+            return Some(format!("several topics match `{topic}`: choose one of {}", names.join(", ")));
         }
         if self.found.is_empty() {
             let near = similar(topic, self.topics.iter().map(String::as_str));

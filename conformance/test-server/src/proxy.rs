@@ -248,7 +248,7 @@ impl Requests {
             let lower = head.to_ascii_lowercase();
             let length = lower.lines().find_map(|line| line.strip_prefix("content-length:"));
             self.body = match length {
-                // The frames of a WebSocket follow.
+                // WebSocket frames follow.
                 _ if lower.contains("upgrade: websocket") => usize::MAX,
                 Some(length) => length.trim().parse().expect("a length"),
                 None => 0,

@@ -36,7 +36,7 @@ impl Corpus {
         Ok(corpus)
     }
 
-    /// Replaces the committed inputs by the smallest selection with the same coverage.
+    /// Replaces the committed inputs with the smallest selection with the same coverage.
     pub(super) fn minimise(&self, program: &Program, target: &str) -> Result<(), String> {
         let merged = self.artifacts.with_extension("merge");
         let failed = |error: io::Error| format!("{}: {error}", merged.display());

@@ -70,8 +70,8 @@ pub struct Copy {
 pub struct CountLimit {
     /// The maximum.
     pub max: u32,
-    /// Source values that are not limited, with their values in the target. These values have a special meaning, such
-    /// as an unknown count, or their names have other numbers in the target.
+    /// Source values that are not limited, with their values in the target. Such a value has a special meaning, for
+    /// example an unknown count, or a name that has a different number in the target.
     pub special: BTreeMap<i128, i128>,
 }
 

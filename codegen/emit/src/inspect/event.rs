@@ -4,7 +4,7 @@ use serde_json::{Map, Value as Json, json};
 use uavspec_schema::event::scalar_name;
 use uavspec_schema::{Event, EventComponent, EventEnum, Package};
 
-/// The name of a component, with the component as JSON.
+/// The name of a component, and the component as JSON.
 pub(super) fn component(package: &Package, component: &EventComponent) -> (String, Json) {
     let enums: Map<String, Json> = component.enums.iter().map(enumeration).collect();
     let events: Map<String, Json> =

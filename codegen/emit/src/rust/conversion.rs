@@ -1,6 +1,6 @@
 //! Conversions between the messages of two packages, as implementations of `From`.
 //!
-//! The source is borrowed, because the fields of most messages are copied in any case, and programs often use the source
+//! The source is borrowed, because the fields of most messages are copied anyway, and programs often use the source
 //! again. Only strings and sequences are cloned.
 
 mod expression;

@@ -78,7 +78,7 @@ impl Reader<'_> {
             });
             let Some(tables) = tables else {
                 let message = format!("`{kind}`: expected an array of tables");
-                let help = format!("start each entry with a line `[[{kind}]]`");
+                let help = format!("start each entry with `[[{kind}]]`");
                 self.mistake("baseline-type", span, message, help);
                 continue;
             };

@@ -13,7 +13,7 @@ error[baseline-type]: `flaky`: expected an array of tables
  --> known.toml:2:1
   |
 2 | flaky = [{ case = "a", reason = "b" }]
-  | ^^^^^ start each entry with a line `[[flaky]]`
+  | ^^^^^ start each entry with `[[flaky]]`
 error[baseline-rule]: unknown rule `PX-RANGE-1`
  --> known.toml:5:8
   |

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use super::Files;
 use crate::rosbag::metadata::{FILE_NAME, Metadata};
 
-/// Replaces the files that a `metadata.yaml` lists by their folder. `from` is the index of the first capture to
-/// consider. Other files in the folder of a bag stay separate captures.
+/// Puts the folder of a bag in place of the files that its `metadata.yaml` lists. `from` is the index of the first
+/// capture to consider. Other files in the folder of a bag stay separate captures.
 pub(super) fn group(files: &mut Files, from: usize) {
     let mut bags: BTreeMap<PathBuf, BTreeSet<String>> = BTreeMap::new();
     files.skipped.retain(|(path, _)| {

@@ -242,7 +242,7 @@ fn size_of(payload: &[u8]) -> Option<u64> {
     Some(decompressed(payload).ok()?.len() as u64)
 }
 
-/// Adds the type of a topic. Returns its name if its hash isn't known.
+/// Adds the type of a topic. Returns the name of the type if its hash isn't known.
 fn add(clues: &mut Clues, topic: &str, name: &str, hash: Option<&String>) -> Option<String> {
     let name = full_name(name);
     if clues.types.len() >= MAX_TYPES {

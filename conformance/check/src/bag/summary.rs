@@ -48,7 +48,7 @@ pub struct BagSummary {
 }
 
 impl BagChannel {
-    /// The topic with the differences, or with the reason why there was no comparison.
+    /// The topic, with the differences or the reason why there was no comparison.
     fn described(&self) -> (&str, String) {
         (&self.topic, shown(&self.message))
     }

@@ -170,7 +170,7 @@ impl Zenoh {
         }
     }
 
-    /// The problem that a subscriber doesn't receive the messages of this program, because it expects another type.
+    /// The problem to report if a subscriber expects another type, and so doesn't receive this program's messages.
     fn mismatch(&self, subscriber: &Endpoint) -> Option<String> {
         let (type_name, hash) = (&*subscriber.type_name, subscriber.type_hash.as_deref());
         if type_name.is_empty() {
@@ -273,7 +273,7 @@ impl Bus for Zenoh {
 }
 
 impl Subscription {
-    /// The problem that messages of another type aren't received.
+    /// The problem to report if this subscription ignores messages of the other type.
     fn other_type(&self, other: &Topic) -> Option<String> {
         let Topic { name, type_name, type_hash } = &self.topic;
         let is_included =

@@ -35,7 +35,7 @@ const REFUSAL: u64 = 4;
 /// A reference refuses arming once in this many replies.
 const REFUSAL_INTERVAL: u64 = 4;
 
-/// The reason of a refusal. It affects all modes, and belongs to no component of the vehicle.
+/// The reason for a refusal. It affects all modes, and belongs to no component of the vehicle.
 const REASON: CheckModesGlobalPos =
     CheckModesGlobalPos { modes: NavigationModeGroup(u32::MAX), health_component_index: 0 };
 

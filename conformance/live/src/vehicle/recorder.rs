@@ -83,7 +83,7 @@ impl Recorder<'_> {
             Event::Lost { topic, count } => self.lost(topic, *count),
             Event::Unreadable(text) => self.metadata(UNREADABLE, &[("text".to_owned(), text.clone())].into()),
             Event::Message(message) => self.message(message),
-            // The probe writes notes and the reason of the end.
+            // The probe writes notes and the reason for the end.
             Event::Problem(_) | Event::Closed(_) => Ok(()),
         }
     }

@@ -138,7 +138,7 @@ pub fn lint(
         } else if is_first(check) || bench.introduced.is_some() {
             (check.attempt)(&mut bench)
         } else {
-            CheckOutcome::NotApplicable("the testee sends no valid hello".to_owned())
+            CheckOutcome::NotApplicable("the testee doesn't send a valid hello".to_owned())
         };
         outcomes.push((*check, outcome));
         progress(outcomes.len(), checks.len());

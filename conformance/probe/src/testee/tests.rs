@@ -175,7 +175,7 @@ fn reports_a_missing_hello_in_time() {
     let (found, time) = linted(&silent);
     let (failures, last) = failed(&found);
     assert_eq!((failures, time.as_secs()), (vec!["introduction"], 30));
-    assert_eq!(last, &CheckOutcome::NotApplicable("the testee sends no valid hello".to_owned()));
+    assert_eq!(last, &CheckOutcome::NotApplicable("the testee doesn't send a valid hello".to_owned()));
     // Only the first process sends a hello.
     let has_started = AtomicBool::new(false);
     let once = in_memory(Program::new(move || {

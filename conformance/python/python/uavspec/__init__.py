@@ -130,7 +130,7 @@ def find(*inputs: str | PathLike[str]) -> Table:
     """Finds the captures that files, folders, patterns and URLs denote, with the columns `capture`, `size` and `etag`.
 
     Raises:
-        Error: a folder or link can't be read, or an input yields no captures. A missing file is no error here: `check`
+        Error: a folder or link can't be read, or an input yields no captures. A missing file is not an error here: `check`
             reports it.
 
     >>> find("flight.ulg").column_names

@@ -7,7 +7,7 @@ use super::prelude::*;
 /// The rule.
 pub static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     id: "FW-ASY-10",
-    name: "One end for each operation",
+    name: "Each operation ends once",
     level: Level::Must,
     status: Status::Normative,
     statement: "Exactly one ASYNC-RESP or ASYNC-TIMEOUT is sent for each receipt.",

@@ -167,7 +167,7 @@ impl<'r> Outgoing<'r> {
         }
     }
 
-    /// Replaces a list of ids by its first id.
+    /// Replaces a list of ids with its first id.
     pub(super) fn replace_ids_by_first(&mut self, kind: &str) {
         if let Some(body) = self.body_of(kind) {
             body["ids"] = body["ids"][0].take();

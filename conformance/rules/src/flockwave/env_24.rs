@@ -195,14 +195,14 @@ fn requested_family(exchange: &Exchange<'_>) -> Option<&'static str> {
     FAMILIES.into_iter().find(|known| family == Some(*known))
 }
 
-/// The reason of a refusal, with each occurrence of the request type replaced by `…`; empty if there is no reason.
+/// The reason for a refusal, with each occurrence of the request type replaced by `…`; empty if there is no reason.
 fn reason(exchange: &Exchange<'_>, type_name: &str) -> Option<String> {
     let (_, reason) = served::refusal(exchange).filter(|_| exchange.role == Role::Response)?;
     let reason = reason.unwrap_or_default();
     Some(reason.replace(type_name, "…").chars().take(MAX_REASON).collect())
 }
 
-/// True if the reason of a refusal contains the request type.
+/// True if the reason for a refusal contains the request type.
 fn names_type(exchange: &Exchange<'_>, type_name: &str) -> bool {
     let reason = served::refusal(exchange).and_then(|(_, reason)| reason);
     reason.is_some_and(|reason| reason.contains(type_name))

@@ -43,7 +43,7 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
         out.follow(5, |reply: &mut ArmingCheckReply| reply.mode_req_mission = !reply.mode_req_mission);
     },
 ))
-.mutants(&[Mutant::flight("a second reply with other values", |flight| {
+.mutants(&[Mutant::flight("a second reply with different values", |flight| {
     flight.with_reply(|reply| reply["can_arm_and_run"] = true.into())
 })]);
 

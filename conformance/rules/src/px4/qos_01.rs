@@ -51,7 +51,7 @@ fn violations(endpoint: &Endpoint, other: &Endpoint) -> Option<Vec<Detail>> {
         _ => return None,
     };
     let (offered, requested) = (publisher.qos.as_ref()?, subscriber.qos.as_ref()?);
-    // Endpoints in other partitions don't exchange messages in any case. A partition may be a pattern.
+    // Endpoints in different partitions don't exchange messages anyway. A partition may be a pattern.
     let is_matched = publisher.is_matched_by_qos && offered.partitions == requested.partitions;
     let conflicts = is_matched.then(|| conflicts(offered, requested))?;
     Some(conflicts.into_iter().map(|conflict| conflict.detail(publisher, subscriber)).collect())

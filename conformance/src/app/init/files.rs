@@ -90,7 +90,7 @@ mod tests {
         fs::read_to_string(path).expect("a manifest").parse().expect("TOML")
     }
 
-    /// Replaces `workspace = true` by the value in the workspace.
+    /// Replaces `workspace = true` with the value in the workspace.
     fn resolved(value: &Value, shared: &Value) -> Value {
         let Some(members) = value.as_table().filter(|members| members.contains_key("workspace")) else {
             return value.clone();

@@ -156,7 +156,7 @@ fn posts(count: usize, body: &serde_json::Value) -> Vec<u8> {
     .into_bytes()
 }
 
-/// A frame of a WebSocket, with a mask of zeros.
+/// A WebSocket frame, with a mask of zeros.
 fn frame(kind: u8, payload: &[u8]) -> Vec<u8> {
     let length = payload.len();
     let head = match u8::try_from(length) {

@@ -65,7 +65,7 @@ impl Reader {
             let Some(tables) = tables else {
                 let message = format!("unknown key `{}`", key.get_ref());
                 let span = self.span(key.span());
-                self.mistake(span, message, "start each hint with a line `[[hint]]`");
+                self.mistake(span, message, "start each hint with `[[hint]]`");
                 continue;
             };
             for value in tables {

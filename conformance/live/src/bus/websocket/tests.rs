@@ -75,7 +75,7 @@ pub(in crate::bus) fn events(bus: &mut dyn Bus) -> Vec<Event> {
     events
 }
 
-/// The problems, and the reason of the end.
+/// The problems, and the reason for the end.
 pub(in crate::bus) fn problems(events: &[Event]) -> Vec<&str> {
     events
         .iter()

@@ -57,7 +57,7 @@ impl Intake {
     fn report_attachment(&self) {
         let name = self.topic.name.escape_debug();
         self.sender.send(Event::Problem(format!(
-            "{name}: found a message without number, time and publisher in its attachment; rmw_zenoh ignores it"
+            "{name}: found a message whose attachment lacks its number, time and publisher; rmw_zenoh ignores it"
         )));
     }
 }
