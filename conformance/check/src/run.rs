@@ -12,7 +12,7 @@ use uavspec_model::json::Tree;
 use uavspec_model::text::{shown, thousands};
 use uavspec_model::{ApplicationType, Channel, Endpoint, Extent, Findings, Location, Message, Rule};
 use uavspec_px4::event::EventMetadata;
-use uavspec_rules::definitions::Definitions;
+use uavspec_rules::definitions::{Captured, Definitions};
 use uavspec_rules::px4::Interest;
 use uavspec_rules::{RuleContext, flockwave, px4};
 use uavspec_schema::source::Span;
@@ -163,10 +163,10 @@ impl<'d> CheckRun<'d> {
     /// if any.
     pub(super) fn read_metadata(&mut self, bytes: Result<&[u8], String>) -> Option<String> {
         let read =
-            bytes.and_then(|bytes| EventMetadata::of_capture(bytes).map_err(|error| error.to_string()));
+            bytes.and_then(|bytes| self.definitions.read_events(bytes).map_err(|error| error.to_string()));
         match read {
-            Ok((metadata, mistake)) => {
-                self.events = Arc::new(metadata);
+            Ok(Captured { metadata, mistake, .. }) => {
+                self.events = metadata;
                 if let Some(observer) = &mut self.observer {
                     observer.metadata(&self.events);
                 }

@@ -16,8 +16,9 @@ mod released;
 
 use std::collections::{BTreeSet, HashMap};
 use std::fmt;
+use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use uavspec_codegen::load::{self, read_definitions_for_captures};
 use uavspec_definitions::{Dir, FLOCKWAVE, I18N, PX4, PX4_EVENTS};
@@ -75,6 +76,18 @@ pub struct Definitions {
     schemas: Arc<Schemas>,
     /// The event metadata for captures that don't contain their own.
     pub events: Arc<EventMetadata>,
+    /// The latest event metadata from a capture. Most captures in an archive contain the metadata of the same firmware.
+    captured: Mutex<Option<Captured>>,
+}
+
+/// The event metadata in a capture.
+#[derive(Clone, Debug)]
+pub struct Captured {
+    bytes: Arc<[u8]>,
+    /// The metadata.
+    pub metadata: Arc<EventMetadata>,
+    /// The first reason why not all events can be decoded.
+    pub mistake: Option<String>,
 }
 
 /// A release that definitions were read from.
@@ -178,7 +191,19 @@ impl Definitions {
             defined_schemas: OnceLock::new(),
             schemas: Arc::default(),
             events: built_in_events(),
+            captured: Mutex::default(),
         }
+    }
+
+    /// Reads the event metadata in a capture. Fails if no event can be decoded.
+    pub fn read_events(&self, bytes: &[u8]) -> io::Result<Captured> {
+        let mut latest = self.captured.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = latest.as_ref().filter(|known| *known.bytes == *bytes) {
+            return Ok(known.clone());
+        }
+        let (metadata, mistake) = EventMetadata::of_capture(bytes)?;
+        let (metadata, mistake) = (Arc::new(metadata), mistake.map(|mistake| mistake.to_string()));
+        Ok(latest.insert(Captured { bytes: bytes.into(), metadata, mistake }).clone())
     }
 
     /// Lets the messages of some packages replace the messages with the same ROS names.
