@@ -100,7 +100,7 @@ impl Command {
             Self::Translate(args) => translate::run(&args).map(Status::from),
             Self::Breaking(args) => breaking::run(&args),
         };
-        // Lost output takes precedence over findings.
+        // Report lost output even if the command also has findings.
         let printed = |error| Failure::new(format!("standard output: {error}"));
         match result.and_then(|status| terminal::finish().map(|()| status).map_err(printed)) {
             Ok(status) => ExitCode::from(status as u8),

@@ -38,7 +38,8 @@ impl Generated {
     }
 }
 
-/// The path itself, or its closest folder whose path has no line breaks. Cargo executes each line as an instruction.
+/// The path itself, or its closest folder whose path has no line breaks. Cargo interprets each line of the output as an
+/// instruction.
 fn watchable(path: &Path) -> &Path {
     let has_break =
         |path: &Path| path.as_os_str().as_encoded_bytes().iter().any(|byte| matches!(byte, b'\n' | b'\r'));

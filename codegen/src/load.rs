@@ -50,7 +50,7 @@ pub struct Definitions {
     pub sources: SourceMap,
     /// The schema.
     pub schema: Schema,
-    /// The paths of definitions that refer to a package outside the path. These definitions aren't part of the schema.
+    /// The paths of definitions that refer to a package outside this path. These definitions aren't part of the schema.
     pub left_out: Vec<String>,
     /// The names of the built-in packages that supply definitions missing at the path.
     pub built_in: Vec<String>,

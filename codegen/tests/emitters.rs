@@ -125,7 +125,7 @@ fn own_packages_carry_their_own_names() {
     }
 }
 
-/// Documentation comments start with `//` as well.
+/// Slashes in a string must not be confused with a documentation comment, which starts with `//` as well.
 #[test]
 fn constants_may_contain_slashes_before_any_character() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -117,7 +117,7 @@ fn check(package: &str, root_file: &str, definitions: &[(String, &str)], heading
         let text =
             if *extension == "msg" { "uint64 timestamp # [us] Time\n" } else { "uint8 a\n---\nuint8 b\n" };
         let path = file_name(&absolute(name), extension).map(|name| work.join("msg").join(name));
-        // Some names are not valid file names on this system.
+        // Ignore errors, because some names are not valid file names on this system.
         let _ = path.map(|path| fs::write(path, text));
     }
     let page = format!("# Page\n\n## {}\n\ninteger, Text.\n", absolute(heading));

@@ -17,7 +17,7 @@ fn folder(files: &[(&str, &str)]) -> TempDir {
     folder
 }
 
-/// The names of the messages in each package, and a flag for packages that others refer to.
+/// For each package: its name, a flag that is true if other packages refer to it, and the names of its messages.
 fn packages(schema: &Schema) -> Vec<(String, bool, Vec<String>)> {
     let packages = schema.packages.iter().filter(|package| !package.messages.is_empty());
     let names = packages.map(|package| {
@@ -108,7 +108,7 @@ fn build_output_of_a_workspace_is_skipped() {
     assert_eq!(own, expected.iter().collect::<Vec<_>>());
 }
 
-/// Installed packages contain a message for each part of a service.
+/// In addition to each service, installed packages contain a message for each of its parts.
 #[test]
 fn generated_parts_of_services_are_skipped() {
     let folder = folder(&[

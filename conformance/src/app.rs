@@ -229,7 +229,7 @@ enum Format {
     Json,
 }
 
-/// The exit status of a run. A later variant takes precedence over an earlier one.
+/// The result of a command. An error ends the command early, and has already been printed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Status {
     Conforms,
@@ -241,23 +241,23 @@ enum Status {
     Usage,
 }
 
-/// The result of a command. An error ends the command early, and is printed already.
+/// Prints a problem, and returns this status.
 type Exit = Result<Status, Status>;
 
 impl Status {
-    /// Prints the reason for this status.
+    /// Prints a problem and how to solve it, and returns this status.
     fn because(self, problem: impl Display) -> Self {
         terminal::error(problem, None);
         self
     }
 
-    /// Prints the reason for this status, and the help for it.
+    /// Prints a problem, which may have several lines, and returns this status.
     fn with_help(self, problem: impl Display, help: &str) -> Self {
         terminal::error(problem, Some(help));
         self
     }
 
-    /// Prints the reason for this status, which may have several lines.
+    /// Prints a failure, and returns this status.
     fn with_details(self, problem: impl Display) -> Self {
         terminal::error_with_details(problem);
         self
@@ -330,12 +330,12 @@ fn introduce() -> ExitCode {
 
 /// The exit code of a status.
 fn finish(status: Status) -> ExitCode {
-    // Lost text is worse than any finding in it.
+    // Text that couldn't be printed is worse than any finding in it.
     let printed = terminal::finish().map_err(unprinted);
     ExitCode::from(status.max(printed.err().unwrap_or(status)).code())
 }
 
-/// The first option that is given. Each option has a flag that is true if it is given.
+/// The first of these options that is given. The flag of an option is true if the option is given.
 fn first_given(options: &[(&'static str, bool)]) -> Option<&'static str> {
     options.iter().find(|(_, is_given)| *is_given).map(|(name, _)| *name)
 }
@@ -355,13 +355,13 @@ fn uninterruptible(error: impl Display) -> Status {
     Status::Unreadable.because(format_args!("can't handle signals: {error}"))
 }
 
-/// Prints an error about a name that doesn't exist, with a similar name or with other help.
+/// Prints an error about a name that doesn't exist. The help suggests a similar name; if there is none, it is `help`.
 fn unknown<'k>(problem: &str, name: &str, known: impl Iterator<Item = &'k str>, help: &str) -> Status {
     let help = similar(name, known).map_or_else(|| help.to_owned(), |known| format!("did you mean {known}?"));
     Status::Usage.with_help(problem, &help)
 }
 
-/// Prints an error about a rule that doesn't exist.
+/// Prints an error about a rule id that doesn't exist.
 fn unknown_rule(problem: &str, id: &str) -> Status {
     unknown(problem, id, RULES.iter().map(|rule| rule.id), "run `uavspec rules` for a list")
 }
@@ -377,14 +377,14 @@ fn words() -> Vec<String> {
     shown_words(std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned()))
 }
 
-/// Loads the definitions at a path, or the built-in definitions. Errors are printed.
+/// Loads the definitions at a path, or the built-in definitions. Prints errors.
 fn definitions(path: Option<&Path>) -> Result<Definitions, Status> {
     let loaded = path.map_or_else(|| Ok(Definitions::built_in()), Definitions::load);
     loaded.map_err(|failure| Status::Usage.failed(&failure))
 }
 
-/// Loads definitions from a path or of a release, or the built-in definitions, and adds JSON Schemas for Flockwave types
-/// without a definition. Errors are printed.
+/// Loads the definitions of a path or a release, or the built-in definitions. Adds JSON Schemas for Flockwave types
+/// that have no definition. Prints errors.
 fn library(path: Option<&Path>, dialect: Option<Dialect>, schemas: &[PathBuf]) -> Result<Library, Status> {
     let loaded = path.map_or_else(|| Ok(Library::built_in()), |path| Library::load(path, dialect));
     let library = loaded.map_err(|failure| Status::Usage.failed(&failure))?;

@@ -8,8 +8,8 @@
 //! ```
 //!
 //! Captures are read record by record, so memory use doesn't depend on the size of the input. For each format, the plan
-//! that checks message values is compiled only once. Rules that span several messages keep a small amount of state per
-//! channel.
+//! for checking message values is compiled only once. Rules that span several messages keep a small amount of state for
+//! each channel.
 
 #![cfg_attr(not(test), warn(clippy::disallowed_macros, clippy::disallowed_methods))]
 

@@ -19,7 +19,7 @@ uint8 mark        # [-] Which mark it flies to
 /// 9 May 2026, in seconds since 1970.
 const TODAY: &str = "1778284800";
 
-/// A folder with definitions and two message files: one file conforms, the other has two violations.
+/// A folder with definitions and two message files. One file conforms, and the other one has two violations.
 fn folder() -> TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     fs::create_dir(folder.path().join("msg")).expect("a folder");
@@ -101,7 +101,7 @@ fn shows_a_known_finding_without_counting_it() {
         (Some("known".into()), Some("warning".into()))
     );
 
-    // Unlisted findings are still violations, including findings in other files.
+    // Findings that aren't in the list are still violations, even in other files.
     let elsewhere = MARKS.replace("reason", "file = \"old/*\"\nreason");
     let (status, printed, output) = check(&folder, &elsewhere, &["logs"]);
     assert_eq!(status, Some(1), "{printed}");
@@ -257,7 +257,7 @@ fn writes_a_list_and_updates_it() {
     // Without new findings, the list is unchanged.
     assert_eq!(run(&["--write-baseline", "known.toml"]).0, Some(0));
     assert_eq!(list_of(&folder), list);
-    // Comments and reasons stay; an expired entry is written again, like a new one.
+    // Comments and reasons are kept. An expired entry is written again, like a new one.
     let expired = "\n[[known]]\nrule = \"PX-RANGE-01\"\nreason = \"a gauge\"\nexpires = 2020-01-01\n";
     fs::write(folder.path().join("known.toml"), MARKS.to_owned() + expired).expect("a file");
     let (status, _, errors) = run(&["--write-baseline", "known.toml"]);
@@ -266,7 +266,7 @@ fn writes_a_list_and_updates_it() {
     let added =
         "\n[[known]]\nrule = \"PX-RANGE-01\"\nsubject = \"Glider.speed\"\nreason = \"not assessed yet\"\n";
     assert_eq!(list_of(&folder), MARKS.to_owned() + added);
-    // Findings that another list names aren't written.
+    // Findings that are in another list aren't written.
     let (status, _, errors) = run(&["--baseline", "known.toml", "--write-baseline", "new.toml"]);
     assert!(status == Some(0) && errors.contains("new.toml: 0 new entries"), "{errors}");
 }
@@ -325,7 +325,7 @@ fn rejects_invalid_lists() {
     }
 }
 
-/// Writes correct responses, except for cases that decode CDR. Those get the response `wrong`.
+/// Writes correct responses, except that `wrong` is the response to cases that decode CDR.
 fn write_responses(folder: &TempDir, wrong: &Value) {
     let (status, requests, output) =
         uavspec(folder.path(), &["test", "--definitions", "msg", "--dump-cases", "-"]);
@@ -377,7 +377,7 @@ fn counts_known_cases_separately() {
         (&"fail".into(), &"CDR isn't supported yet".into())
     );
 
-    // If a pattern also matches cases that pass, the fix restricts the pattern to failing cases.
+    // If a pattern also matches cases that pass, the fix restricts it to the cases that fail.
     let all = list.replace("decode-cdr/*", "decode-*/zero");
     let zeros = ["--filter", "decode-*/zero"];
     let (status, _, output) = test(&folder, &all, &zeros);

@@ -1,4 +1,4 @@
-//! Tests of the files for CI systems. They run the examples in the guide, without the CI systems.
+//! Tests of the files for CI systems. They run the examples of the guide, but without the CI systems.
 
 mod expression;
 mod github;
@@ -20,11 +20,11 @@ const CONFIG: &str = "[output]\njson_schema = \"schemas\"\n\n[[package]]\nname =
 const WIND: &str = "# Wind over ground\n\nuint64 timestamp  # [us] Time since system start\nfloat32 speed     # \
                     [m/s] Speed\n";
 
-/// A message that refers to another one, and has a field without a unit.
+/// A message that contains another one, and has a field without a unit.
 const GUST: &str = "# Gust\n\nuint64 timestamp  # [us] Time since system start\nWind peak         # Strongest wind\n\
                     float32 duration  # Duration\n";
 
-/// A message that conforms, and one without a member.
+/// A message that conforms, and one that lacks a member.
 const MESSAGE: &str =
     r#"{"timestamp": 1, "name": "wind", "arming_check_id": 1, "mode_id": 1, "mode_executor_id": 1}"#;
 const BAD_MESSAGE: &str = r#"{"timestamp": 1, "name": "wind", "mode_id": 1, "mode_executor_id": 1}"#;
@@ -49,8 +49,8 @@ impl Project {
         Self { folder, base }
     }
 
-    /// A repository whose last commit adds a breaking change, a lint finding, a capture that violates a rule, and a
-    /// truncated log.
+    /// A repository whose last commit adds four problems: a breaking change, a lint finding, a capture that violates a
+    /// rule, and a truncated log.
     fn with_findings() -> Self {
         let project = Self::clean();
         let folder = project.path();
@@ -69,7 +69,7 @@ impl Project {
     }
 }
 
-/// A line of a log of rosbridge.
+/// A line of a rosbridge log.
 fn capture(message: &str) -> String {
     format!("{{\"op\": \"publish\", \"topic\": \"/fmu/in/unregister_ext_component\", \"msg\": {message}}}\n")
 }
@@ -93,14 +93,14 @@ fn repository() -> PathBuf {
     fs::canonicalize(Path::new(env!("CARGO_MANIFEST_DIR")).join("..")).expect("the repository")
 }
 
-/// The value of `PATH` with the program of this build.
+/// A value of `PATH` that contains the program of this build.
 fn path_with_uavspec() -> String {
     let program = Path::new(env!("CARGO_BIN_EXE_uavspec"));
     let folder = program.parent().expect("a folder").display();
     format!("{folder}:{}", std::env::var("PATH").expect("a path"))
 }
 
-/// The text of a file in the chapter about CI.
+/// The text of a file that the guide's chapter about CI contains.
 fn example(path: &str) -> String {
     let files = files_of_guide("ci.md");
     let found = files.into_iter().find(|(name, _)| name == path);
@@ -128,12 +128,12 @@ fn json(node: &Yaml<'_>) -> Value {
     }
 }
 
-/// A scalar as a string, as CI systems convert it.
+/// A scalar in the form to which CI systems convert it.
 fn string(value: &Value) -> String {
     value.as_str().map_or_else(|| value.to_string(), str::to_owned)
 }
 
-/// The members of an object; none if there is no object.
+/// The members of an object. Empty if the value isn't an object.
 fn members(value: &Value) -> impl Iterator<Item = (&String, &Value)> {
     value.as_object().into_iter().flatten()
 }

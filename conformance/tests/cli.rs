@@ -19,7 +19,7 @@ fn uavspec(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
     (output.status.code(), text(output.stdout), text(output.stderr))
 }
 
-/// Runs `uavspec check` with the definitions of the topics in typical logs.
+/// Runs `uavspec check` with definitions for the topics in typical logs.
 fn check(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
     write_typical_definitions(folder);
     uavspec(folder, &[&["check", "--definitions", "msg"], arguments].concat())
@@ -83,7 +83,7 @@ fn an_unreadable_file_is_incomplete_in_each_format() {
     let gzip = gzip.finish().expect("memory");
     let zstd = compress_to_vec(&padded(200)[..], CompressionLevel::Fastest);
     let trailing = [&zstd[..], b"not a frame"].concat();
-    // If a frame is truncated within its window, none of it can be read.
+    // If a frame is truncated within its window, nothing in it can be read.
     fs::write(folder.path().join("cut.ulg"), &zstd[..zstd.len() - 9]).expect("a file");
     assert_eq!(check(folder.path(), &["cut.ulg"]).0, Some(6));
     for packed in [&gzip[..gzip.len() / 2], &trailing] {
@@ -403,7 +403,7 @@ fn writes_several_reports_in_one_run() {
         check(folder.path(), &["flight.ulg", "--format", "markdown"]).1.lines().nth(2),
         Some("# ✅ Conforms")
     );
-    // An unwritable report is an error, but the other reports are written.
+    // A report that can't be written is an error, but the other reports are written.
     let (status, _, output) = check(folder.path(), &["flight.ulg", "--report", "json=no/a.json,html=c.html"]);
     assert_eq!(status, Some(3), "{output}");
     assert!(output.contains("error: no/a.json: can't write the report"), "{output}");

@@ -15,7 +15,7 @@ fn explain(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
     (output.status.code(), text(output.stdout), text(output.stderr))
 }
 
-/// Definitions without comments: the labels come from the built-in definitions.
+/// Definitions without comments. The labels therefore come from the built-in definitions.
 const BATTERY: &str = "uint64 timestamp
 uint8 warning
 uint8 BATTERY_WARNING_NONE = 0
@@ -107,7 +107,11 @@ fn reports_wrong_usage_and_unreadable_captures() {
         (&["flight.jsonl"], 5, "help: 2 messages can't be read"),
         (&["cut.jsonl", "--definitions", "msg"], 6, "incomplete: 1 part of the capture can't be read"),
         (&["other.jsonl"], 5, "help: the capture contains no topics of the timeline"),
-        (&["status.jsonl", "--definitions", "msg"], 5, "help: name the definitions of vehicle_status with"),
+        (
+            &["status.jsonl", "--definitions", "msg"],
+            5,
+            "help: specify the definitions of vehicle_status with",
+        ),
     ] {
         let (status, _, errors) = explain(folder.path(), arguments);
         assert_eq!(status, Some(expected), "{arguments:?}: {errors}");

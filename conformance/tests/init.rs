@@ -26,7 +26,7 @@ fn succeed(folder: &Path, arguments: &[&str]) -> String {
     printed
 }
 
-/// Runs Cargo without the network and without a cache of crates.
+/// Runs Cargo without the network, and with an empty cache of crates.
 fn cargo(folder: &Path, arguments: &[&str]) {
     let empty = tempfile::tempdir().expect("a folder");
     run_cargo(
@@ -37,9 +37,9 @@ fn cargo(folder: &Path, arguments: &[&str]) {
 fn run_cargo(command: &mut Command) {
     let output = command
         .env("CARGO_NET_OFFLINE", "true")
-        // Reuse the compiled dependencies of this build.
+        // The compiled dependencies of this build are reused.
         .env("CARGO_TARGET_DIR", Path::new(env!("CARGO_TARGET_TMPDIR")).join(".."))
-        // The generator runs once, so optimising it takes more time than it saves.
+        // The generator runs only once, so optimising it would take more time than it saves.
         .env("CARGO_PROFILE_DEV_OPT_LEVEL", "0")
         .output()
         .expect("cargo runs");
@@ -47,7 +47,7 @@ fn run_cargo(command: &mut Command) {
     assert!(output.status.success() && !errors.contains("warning:"), "{command:?}\n{errors}");
 }
 
-/// The paths of all files in a folder, except the files of the runtime's copy.
+/// The paths of all files in a folder, without the files in the copy of the runtime.
 fn files(folder: &Path) -> Vec<String> {
     let entries = WalkDir::new(folder).sort_by_file_name().into_iter().map(|entry| entry.expect("an entry"));
     let files = entries.filter(|entry| !entry.file_type().is_dir());
@@ -106,7 +106,7 @@ fn rust_compiles_without_the_network() {
           assert!(wind.speed.abs() < 0.1);\n}\n",
     );
     cargo(&folder, &["run", "--quiet", "--example", "wind"]);
-    // The scaffold doesn't contain the name or address of its user.
+    // The scaffold must not contain the name or the address of its user.
     for path in expected {
         let text = fs::read_to_string(folder.join(path)).expect("a file");
         assert!(!text.contains("http") && !text.contains("authors"), "{path}: {text}");
@@ -183,12 +183,13 @@ fn the_generator_runs_as_cargo_xtask() {
     for (path, text) in &files {
         // In the guide, the clone is next to the workspace.
         let text = text.replace("\"../../uavspec/", &format!("\"{}/", repository.display()));
-        // In the shared target folder, the program must not replace this workspace's `xtask`, which other tests run.
+        // The target folder is shared, so the program must not replace the `xtask` of this workspace, which other tests
+        // run.
         let text = text.replace("name = \"xtask\"", "name = \"downstream-xtask\"");
         let text = text.replace("--package xtask", "--package downstream-xtask");
         write(&folder, path, text);
     }
-    // Use the locked versions, which are already available.
+    // The locked versions are used, because they are already available.
     fs::copy(repository.join("Cargo.lock"), folder.join("Cargo.lock")).expect("a lock file");
     for arguments in
         [&["xtask", "codegen"][..], &["xtask", "codegen", "--check"], &["check", "--package", "messages"]]

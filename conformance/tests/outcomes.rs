@@ -1,4 +1,4 @@
-//! Tests of outcomes: all formats report the same outcome of each file.
+//! Tests that all formats report the same outcome for each file.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -13,7 +13,7 @@ use uavspec_rules::mutants;
 use uavspec_rules::sample::Flight;
 use uavspec_test_support::extent;
 
-/// The outcome of each file, by the name of the file.
+/// The outcome of each file, by file name.
 type Outcomes = BTreeMap<String, String>;
 
 /// Writes a folder with captures, files that aren't captures, and a note. Returns the expected outcomes.
@@ -58,7 +58,7 @@ fn name(path: &str) -> String {
     path.rsplit('/').next().unwrap_or(path).to_owned()
 }
 
-/// The kind of an outcome's sentence.
+/// The kind of outcome that a sentence describes.
 fn kind(sentence: &str) -> String {
     let sentence = sentence.to_lowercase();
     let known = ["does not conform", "incomplete", "partial coverage", "conforms"];
@@ -114,7 +114,7 @@ fn of_junit(junit: &Junit) -> Outcomes {
     outcomes
 }
 
-/// SARIF has results only. The outcome of a file without results is that it conforms.
+/// The outcomes in a SARIF report, which contains only results. A file without results conforms.
 fn of_sarif(report: &str, files: impl Iterator<Item = String>) -> Outcomes {
     let log: Value = serde_json::from_str(report).expect("JSON");
     let mut outcomes: Outcomes = files.map(|name| (name, "conforms".to_owned())).collect();
@@ -168,7 +168,7 @@ fn of_markdown(report: &str) -> Outcomes {
     outcomes
 }
 
-/// The reports of a run by kind, and its exit status.
+/// The reports of a run, by kind, and its exit status.
 struct Run {
     reports: BTreeMap<&'static str, String>,
     status: i32,
@@ -183,7 +183,7 @@ impl Run {
         Junit::deserialize_from_str(&self.reports["junit"]).expect("JUnit")
     }
 
-    /// The exit status, and the sentence of the outcome.
+    /// The exit status, and the sentence that describes the outcome.
     fn outcome(&self) -> (i32, String) {
         (self.status, self.json()["outcome"]["text"].as_str().expect("a text").to_owned())
     }
@@ -234,14 +234,14 @@ fn text_fits_a_terminal() {
 fn the_exit_status_of_each_file_is_its_outcome() {
     let folder = tempfile::tempdir().expect("a folder");
     let expected = write_files(folder.path());
-    // Even the larger step of quick mode covers files with different outcomes.
+    // Even the larger step of quick mode includes files with different outcomes.
     for (name, outcome) in expected.iter().skip(extent(0, 1)).step_by(extent(1, 4)) {
         let path = folder.path().join(name);
         let path = path.to_str().expect("UTF-8");
         let status = match outcome.as_str() {
             "conforms" | "partial coverage" => 0,
             "does not conform" => 1,
-            // A file that is named explicitly is checked.
+            // A file that is named explicitly is always checked.
             _ => 6,
         };
         let (found, sentence) = check(&[path]).outcome();
@@ -251,7 +251,7 @@ fn the_exit_status_of_each_file_is_its_outcome() {
         assert_eq!(allowed.outcome(), expected, "{name}: the reason stays");
         let junit = allowed.junit();
         assert_eq!(junit.test_suites[0].failures > 0, status == 1, "{name}");
-        // Parts of a file that doesn't conform can still be unreadable.
+        // Parts of a file that doesn't conform may also be unreadable.
         if status == 6 {
             assert_eq!(junit.test_suites[0].errors, 0, "{name}");
         }

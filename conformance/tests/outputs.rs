@@ -6,10 +6,10 @@ use std::process::{Command, Stdio};
 
 use tempfile::TempDir;
 
-/// A message of the built-in definitions.
+/// A message that the built-in definitions contain.
 const MESSAGE: &str = "{\"type\":\"px4/BatteryStatus\",\"message\":{}}\n";
 
-/// A folder with one file of each kind of input, each with other content.
+/// A folder with one file of each kind of input. All files have different content.
 fn workspace() -> TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     for sub in ["logs", "msg", "schemas"] {
@@ -31,7 +31,7 @@ fn workspace() -> TempDir {
     folder
 }
 
-/// The program in a folder, with these arguments.
+/// A command that runs the program in a folder, with these arguments.
 fn command(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_uavspec"));
     command.args(arguments).current_dir(folder).stdin(Stdio::null());
@@ -45,7 +45,7 @@ fn content(folder: &Path) -> Vec<(String, Vec<u8>)> {
     files.map(|path| (path.display().to_string(), fs::read(path).unwrap_or_default())).collect()
 }
 
-/// Asserts that the command rejects its arguments and changes no file.
+/// Asserts that the command rejects its arguments, and changes no file.
 fn assert_rejected(folder: &Path, mut command: Command, wanted: &str) {
     let before = content(folder);
     let output = command.output().expect("it runs");
@@ -234,7 +234,7 @@ fn writes_reports_to_pipes_devices_and_absent_targets_of_links() {
     assert!(at("logs/new.html").is_file());
 }
 
-/// A report that a full disk swallows must not look like one without findings.
+/// If the disk is full, a report that couldn't be written must not look like one without findings.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_standard_output_is_an_error_in_each_command() {

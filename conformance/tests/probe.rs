@@ -1,5 +1,5 @@
-//! Tests of the probe, with conforming servers and with faulty ones. Most servers are in memory and in simulated time, so the
-//! speed of the computer changes nothing.
+//! Tests of the probe, with conforming and faulty servers. Most servers are in memory and in simulated time, so the
+//! speed of the computer doesn't matter.
 
 #[cfg_attr(not(unix), allow(dead_code, unused_imports, reason = "only tests with signals use them"))]
 mod flight;
@@ -31,10 +31,10 @@ use uavspec_test_server::memory::{Line, Scripted};
 
 static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
 
-/// The URL of all servers in memory.
+/// The URL of every server in memory.
 static ENDPOINT: LazyLock<Endpoint> = LazyLock::new(|| "tcp://memory:5001".parse().expect("an endpoint"));
 
-/// The additional time that a probe may take beyond its time limit, to finish its last requests.
+/// The time by which a probe may exceed its time limit, to finish its last requests.
 const SLACK: Duration = Duration::from_secs(15);
 
 /// Options of a short probe.
@@ -79,12 +79,12 @@ fn simulated<N: Network>(options: Options, network: impl FnOnce(&Clock) -> N) ->
     probed
 }
 
-/// Probes a server that serves clients with a script.
+/// Probes a server that handles clients with a script.
 fn scripted(options: Options, script: impl Fn(&mut Line, &[u8]) + 'static) -> Probed {
     simulated(options, |clock| Scripted::new(clock, script))
 }
 
-/// Probes a reference server. The recording is copied.
+/// Probes a reference server. The recording is also written to `copy`.
 fn referenced(options: Options, served: uavspec_serve::Options, copy: &Shared) -> Probed {
     let clock = Clock::simulated();
     let network = InMemory::new(served, &clock);
@@ -92,7 +92,7 @@ fn referenced(options: Options, served: uavspec_serve::Options, copy: &Shared) -
     probe_on(&network, &ENDPOINT, &Options { clock, ..options }, &DEFINITIONS, Some(copy))
 }
 
-/// Asserts that a check of the recording has the same findings.
+/// Runs a probe, and asserts that a check of the recording has the same findings.
 fn compared(probe: impl FnOnce(Box<dyn std::io::Write>) -> Probed) -> Probed {
     let tape = Shared::default();
     let probed = probe(Box::new(tape.clone()));
@@ -165,7 +165,7 @@ fn answers(segment: &[u8]) -> Vec<String> {
     segment.split(|byte| *byte == b'\n').filter_map(|line| answer(line, &mut number)).collect()
 }
 
-/// Answers HTTP POST requests with bare message bodies, without an envelope. A malformed message is taken for a ping.
+/// Answers HTTP POST requests with message bodies that have no envelope. Treats a malformed message as a ping.
 fn post_bare(stream: &TcpStream) -> Option<()> {
     let (mut reader, mut writer) = (BufReader::new(stream), stream);
     loop {
@@ -190,7 +190,7 @@ fn post_bare(stream: &TcpStream) -> Option<()> {
     }
 }
 
-/// Some trials send a message without an id before a request. Over HTTP, each message has a separate answer.
+/// Some trials send a message without an id before a request. Over HTTP, each message gets a separate answer.
 #[test]
 fn matches_http_answers_without_envelopes_to_their_requests() {
     let url = serve(|stream, _| {
@@ -218,7 +218,7 @@ fn ends_in_time_with_a_silent_server() {
     assert_eq!(violations(&probed), BTreeMap::new());
 }
 
-/// A proxy may close connections until the server behind it has started. The early requests then have no answer.
+/// A proxy may close connections until the server behind it has started. Early requests then get no answer.
 #[test]
 fn waits_until_a_starting_server_answers() {
     let selection = Selection::default().without_trials();
@@ -232,7 +232,7 @@ fn waits_until_a_starting_server_answers() {
     assert!(!rules(&probed).contains("FW-ENV-07"), "{:?}", trials(&probed));
 }
 
-/// Other protocols violate no Flockwave rule.
+/// Servers that use other protocols violate no Flockwave rule.
 #[test]
 fn recognises_servers_of_other_protocols() {
     let tls_alert: &[u8] = &[0x15, 3, 3, 0, 2, 2, 70, b'\n'];
@@ -254,7 +254,7 @@ fn recognises_servers_of_other_protocols() {
     }
 }
 
-/// Sends the same bytes again and again, with pauses.
+/// A script that sends the same bytes `count` times, with pauses.
 fn repeated(bytes: &'static [u8], pause: Duration, count: usize) -> impl Fn(&mut Line, &[u8]) {
     move |line, segment| {
         for _ in 0..if segment.is_empty() { count } else { 0 } {
@@ -319,7 +319,7 @@ fn waits_for_late_answers() {
     let selection = Selection::default().without_trials();
     let (limit, timeout) = (Duration::from_secs(30), Duration::from_secs(5));
     let count = Cell::new(0);
-    // One answer takes longer than the probe waits before its next request.
+    // One answer takes longer than the time after which the probe sends its next request.
     let probed = scripted(Options { limit, timeout, selection, ..short_options() }, move |line, segment| {
         for answer in answers(segment) {
             let number = count.replace(count.get() + 1);
@@ -330,25 +330,25 @@ fn waits_for_late_answers() {
     assert!(!rules(&probed).contains("FW-ENV-07"), "{:?}", trials(&probed));
 }
 
-/// Probes a scripted server, but uses only these rules.
+/// Probes a scripted server, with only these rules.
 fn tried(rules: &[&str], script: impl Fn(&mut Line, &[u8]) + 'static) -> Probed {
     let probed = scripted(trying(rules), script);
     assert_eq!((probed.failure.as_deref(), probed.cut_short.as_deref()), (None, None));
     probed
 }
 
-/// Options that use only these rules.
+/// Options that select only these rules.
 fn trying(rules: &[&str]) -> Options {
     let only = rules.iter().map(|rule| (*rule).to_owned()).collect();
     let selection = Selection::new(only, Vec::new(), &DEFINITIONS, &ENDPOINT).expect("known rules");
     Options { limit: Duration::from_secs(45), selection, ..short_options() }
 }
 
-/// A server may handle one request after the other. Each single answer is in time, but not all of them together.
+/// A server may handle requests one after the other. Each answer is in time, but not all of them together.
 #[test]
 fn waits_for_the_answers_to_requests_that_were_sent_together() {
     let probed = tried(&["FW-TCP-02", "FW-ENV-27"], |line, segment| {
-        // The requests of trials have other ids.
+        // The requests of trials have different ids.
         let is_trial = !String::from_utf8_lossy(segment).contains("\"probe-");
         for answer in answers(&line.lines(segment)) {
             line.send_after(Duration::from_millis(if is_trial { 1_300 } else { 0 }), answer);
@@ -357,12 +357,12 @@ fn waits_for_the_answers_to_requests_that_were_sent_together() {
     assert_eq!(rules(&probed), BTreeSet::new());
 }
 
-/// True if a segment is the first one of the trials with lines that aren't JSON.
+/// True if a segment is the first one in the trials that send lines which aren't JSON.
 fn is_confusing(segment: &[u8]) -> bool {
     segment.starts_with(b"not a message")
 }
 
-/// Answers each request until a line is not JSON. Afterwards, nothing is answered on the connection, and it stays open.
+/// Answers each request until a line isn't JSON. Afterwards, the connection stays open, but nothing is answered on it.
 fn answer_until_confused(line: &mut Line, confused: &RefCell<BTreeSet<usize>>, segment: &[u8]) {
     if is_confusing(segment) {
         confused.borrow_mut().insert(line.number);
@@ -373,7 +373,7 @@ fn answer_until_confused(line: &mut Line, confused: &RefCell<BTreeSet<usize>>, s
     }
 }
 
-/// A server may close idle connections, also while a trial waits for its answer.
+/// A server may close idle connections, even while a trial waits for its answer.
 #[test]
 fn the_end_of_an_idle_connection_is_no_effect_of_a_trial() {
     let confused = RefCell::default();
@@ -399,8 +399,8 @@ fn the_end_of_an_older_connection_is_no_effect_of_a_trial() {
     assert_eq!(rules(&probed), BTreeSet::from(["FW-TCP-03"]));
 }
 
-/// The end of a connection closes all older connections. This looks neither like a server for one client nor like the
-/// end of an idle connection.
+/// The end of a connection closes all older connections. The server must not be mistaken for one that serves a single
+/// client, or that closes idle connections.
 #[test]
 fn reports_a_server_that_closes_the_connections_of_other_clients() {
     let found = rules(&tried(&["FW-TCP-03", "FW-ENV-27"], |line, segment| {
@@ -412,7 +412,7 @@ fn reports_a_server_that_closes_the_connections_of_other_clients() {
     assert_eq!(found, BTreeSet::from(["FW-ENV-27", "FW-TCP-03"]));
 }
 
-/// If the probe is interrupted, it can't find out whether the server closes idle connections.
+/// An interrupted probe can't find out whether the server closes idle connections.
 #[test]
 fn an_interrupted_probe_reports_no_effect_of_a_trial() {
     let stop = Stop::default();
@@ -422,7 +422,7 @@ fn an_interrupted_probe_reports_no_effect_of_a_trial() {
     let probed = scripted(options, move |line, segment| {
         if segment.is_empty() {
             line.idle_limit = Some(Duration::from_secs(1));
-            // The second connection after the trial is open while the probe waits for the end of the first one.
+            // The second connection after the trial is open while the probe waits for the end of the first connection.
             if confused.borrow().first().is_some_and(|trial| line.number >= trial + 2) {
                 requested.request();
             }
@@ -433,7 +433,8 @@ fn an_interrupted_probe_reports_no_effect_of_a_trial() {
     assert!(!rules(&probed).contains("FW-ENV-27"), "{:?}", trials(&probed));
 }
 
-/// A server that refuses all requests before the login, even AUTH-INF.
+/// A script of a server that refuses all requests before the login, even AUTH-INF. `is_accepted` is true if the login
+/// succeeds.
 fn answer_after_login(is_accepted: bool) -> impl Fn(&mut Line, &[u8]) {
     let logged_in: RefCell<BTreeSet<usize>> = RefCell::default();
     move |line, segment| {
@@ -500,7 +501,7 @@ fn probes_a_server_that_closes_connections_to_the_end() {
     assert_eq!(again, 3, "{:?}", probed.notes);
 }
 
-/// The rule, the trial and the number of violations of each finding.
+/// The findings: the rule, the trial and the number of violations.
 fn trials(probed: &Probed) -> Vec<(&'static str, String, u64)> {
     let groups = probed.result.findings.groups();
     groups.map(|group| (group.rule.id, group.subject.clone(), group.count)).collect()
@@ -508,8 +509,8 @@ fn trials(probed: &Probed) -> Vec<(&'static str, String, u64)> {
 
 #[test]
 fn reports_each_weakness_of_a_tcp_server_once() {
-    // This server answers all lines of a segment together, in reverse order. If a line isn't JSON, it closes the
-    // connection without an answer.
+    // This server answers all lines of a segment together, in reverse order. If a line isn't JSON, the server closes
+    // the connection without an answer.
     let rest: RefCell<BTreeMap<usize, Vec<u8>>> = RefCell::default();
     let probed =
         scripted(Options { limit: Duration::from_secs(45), ..short_options() }, move |line, segment| {
@@ -558,12 +559,12 @@ fn reports_only_the_trial_that_stops_the_server() {
     assert!(reason.starts_with(expected), "{reason}");
     assert_eq!(violations(&probed)["FW-ENV-27"], 1);
     let of_trials = trials(&probed).into_iter().filter(|found| found.0.starts_with("FW-TCP"));
-    // This server also requires a message to arrive in one segment.
+    // In addition, this server requires each message to arrive in one segment.
     let rules: BTreeSet<&str> = of_trials.map(|found| found.0).collect();
     assert_eq!(rules, BTreeSet::from(["FW-TCP-02", "FW-TCP-03", "FW-TCP-04"]));
 }
 
-/// The server serves new connections, but forgets the connections that were open before a trial.
+/// The server serves new connections, but no longer serves the connections that were open before a trial.
 #[test]
 fn reports_a_trial_that_affects_other_clients() {
     let forgotten = Cell::new(0);
@@ -576,7 +577,7 @@ fn reports_a_trial_that_affects_other_clients() {
             answer_all(line, segment);
         }
     });
-    // The selection also selects the findings of the rule.
+    // The selection also applies to the findings of the rule.
     let options = Options { clock, ..trying(&["FW-TCP-03"]) };
     let tape = Shared::default();
     let probed = probe_on(&server, &ENDPOINT, &options, &DEFINITIONS, Some(Box::new(tape.clone())));
@@ -589,7 +590,7 @@ fn reports_a_trial_that_affects_other_clients() {
     assert_eq!(stopped.count, 1);
 }
 
-/// A reference server whose UAVs move fast, and its URL.
+/// Starts a reference server whose UAVs move fast. Also returns its URL.
 fn reference_server() -> (Server, String) {
     let options = uavspec_serve::Options { speed: 10.0, ..uavspec_serve::Options::default() };
     let free = SocketAddr::from(([127, 0, 0, 1], 0));
@@ -598,11 +599,11 @@ fn reference_server() -> (Server, String) {
     (server, url)
 }
 
-/// The requests in a recorded session, in order: type and body.
+/// The requests in a recorded session, in order. Each has a type and a body.
 fn requests(tape: &Shared) -> Vec<(String, Value)> {
     let recording = tape.0.lock().unwrap_or_else(PoisonError::into_inner).clone();
     let lines = recording.split(|byte| *byte == b'\n').filter(|line| !line.is_empty());
-    // Trials send texts that some parsers refuse.
+    // Trials send texts that some parsers reject.
     let lines = lines.filter_map(|line| serde_json::from_slice::<Value>(line).ok());
     let sent = lines.filter(|line| line["dir"] == "out");
     sent.filter_map(|line| {
@@ -646,7 +647,7 @@ fn commands_follow_the_order_of_a_flight_and_concern_only_named_uavs() {
         .filter_map(|entry| Some((entry.name.as_str(), entry.not_sent.as_deref()?)))
         .collect();
     let expected =
-        [("AUTH-REQ", "needs --login"), ("SHOW-CRTH-START", "could move UAVs that --uav doesn't name")];
+        [("AUTH-REQ", "needs --login"), ("SHOW-CRTH-START", "could move UAVs that are not given with --uav")];
     assert_eq!(not_sent, BTreeMap::from(expected));
 }
 

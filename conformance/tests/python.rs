@@ -1,4 +1,4 @@
-//! The Python package, in Python.
+//! Tests of the Python package, run in Python.
 
 use std::fs;
 use std::path::Path;
@@ -27,8 +27,8 @@ const PACKAGES: &[&str] = &[
 /// Builds the module, and copies the package to the folder of installed packages.
 fn install(python: &Path) {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    // The module must share the library that these tests use. The features of its dependencies must therefore be the
-    // same, including the features that tests require.
+    // The module must share the library that these tests use. Therefore, the features of its dependencies must be the
+    // same, including those that only tests require.
     let packages = ["--package", "uavspec", "--package", "uavspec-python"];
     let mut build = cargo();
     build.args(["build", "--quiet", "--all-features", "--lib", "--test", "all"]).args(packages);
@@ -38,7 +38,7 @@ fn install(python: &Path) {
         .output()
         .expect("Python");
     let installed = Path::new(String::from_utf8_lossy(&output.stdout).trim_end()).join("uavspec");
-    // Files of an earlier run must not be found.
+    // The files of an earlier run must not be used.
     let _ = fs::remove_dir_all(&installed);
     let source = root.join("python/python/uavspec");
     for entry in WalkDir::new(&source).follow_links(true) {

@@ -132,7 +132,7 @@ fn reads_the_direction_from_the_file_name() {
     assert_eq!(found.len(), 1, "{found:?}");
 }
 
-/// Definitions have priority over user-defined schemas.
+/// Definitions take precedence over user-defined schemas.
 #[test]
 fn prefers_definitions_to_schemas() {
     let folder = folder(&[("schemas/SYS-VER.json", json!({ "maxProperties": 0 }))]);
@@ -140,7 +140,7 @@ fn prefers_definitions_to_schemas() {
     assert!(findings(folder.path(), &["--schema", "schemas"]).is_empty());
 }
 
-/// Schemas refer to each other by file name or by `$id`, and share the draft that one of them declares.
+/// Schemas refer to each other by file name or by `$id`. All of them use the draft that one of them declares.
 #[test]
 fn resolves_references_between_schemas() {
     let common = json!({
@@ -203,7 +203,7 @@ fn reports_an_invalid_schema_with_its_location() {
     assert!(output.contains("a.json:2:11: invalid JSON: "), "{output}");
 }
 
-/// Invalid JSON, and numbers that no float can represent, are covered by other rules.
+/// Other rules cover invalid JSON, and numbers that a float can't represent.
 #[test]
 fn ignores_bodies_that_schemas_cannot_represent() {
     let folder = folder(&[("s/a.json", lift("SOAR-INF", &json!({ "type": "string" })))]);
@@ -218,7 +218,7 @@ fn ignores_bodies_that_schemas_cannot_represent() {
     assert_eq!(["7", "NaN", "1e400"].map(of_schema), [1, 0, 0]);
 }
 
-/// An `$id` that no reference uses changes nothing.
+/// An `$id` that isn't referenced has no effect.
 #[test]
 fn takes_inner_ids() {
     let shared = json!({
@@ -243,7 +243,7 @@ fn takes_inner_ids() {
     assert_eq!(found, ["/body/glider", "/body/label", "/body/pilot/name"]);
 }
 
-/// The problem is reported in the file that contains it, which may differ from the file that refers to it.
+/// The problem is reported for the file that contains it, which may differ from the file with the reference.
 #[test]
 fn refuses_references_with_two_meanings() {
     let inner =
@@ -263,8 +263,8 @@ fn refuses_references_with_two_meanings() {
     assert!(output.contains(expected) && output.contains("`https://example.org/b/`"), "{output}");
 }
 
-/// Definitions have priority, so schemas of defined types needn't be valid, unique, or usable. Folders may also contain
-/// examples of messages.
+/// Definitions take precedence, so schemas for defined types needn't be valid, unique, or usable. Folders may also
+/// contain example messages.
 #[test]
 fn ignores_schemas_of_defined_types() {
     let missing = json!({ "$ref": "none.json#/version" });
@@ -281,7 +281,7 @@ fn ignores_schemas_of_defined_types() {
     assert_eq!(found.len(), 1, "{found:?}");
 }
 
-/// Keywords of draft 4 are errors in later drafts, but only where they are used.
+/// In later drafts, keywords of draft 4 are errors, but only in schemas that are used.
 #[test]
 fn checks_only_the_schemas_that_are_used() {
     let old = json!({ "minimum": 0, "exclusiveMinimum": true });
@@ -316,7 +316,7 @@ fn checks_only_the_schemas_that_are_used() {
     assert!(output.contains("shared.json:/old/exclusiveMinimum: invalid JSON Schema"), "{output}");
 }
 
-/// Files may describe the alternatives of a body. One file refers to the others.
+/// Several files may describe the alternatives of a body, if one file refers to the others.
 #[test]
 fn takes_several_files_for_a_type_if_one_refers_to_the_others() {
     let alternative =

@@ -1,6 +1,6 @@
-//! Tests of the reference server over its transports, with the clients of `uavspec`.
+//! Tests of the reference server over its transports, using the clients of `uavspec`.
 //!
-//! No test depends on speed: expected messages have generous time limits, and unexpected ones would arrive before the
+//! No test depends on speed: expected messages have long time limits, and unexpected messages would arrive before the
 //! answers to later requests.
 
 mod limits;
@@ -28,7 +28,7 @@ const READING_TIME: Duration = Duration::from_millis(20);
 
 const ALL: [Transport; 4] = [Transport::Tcp, Transport::Udp, Transport::Http, Transport::SocketIo];
 
-/// The transports and their URLs without host and port.
+/// The transports, with the part of their URLs after the host and the port.
 const ENDPOINTS: [(Transport, &str); 7] = [
     (Transport::Tcp, ""),
     (Transport::Udp, ""),
@@ -44,7 +44,7 @@ fn serve(options: Options) -> Server {
     Server::start(options, &ALL.map(|transport| (transport, location))).expect("a server")
 }
 
-/// A server that violates this rule and sends frequent notifications.
+/// Starts a server that violates this rule, and sends frequent notifications.
 fn serve_with_bug(rule: &str) -> Server {
     serve(Options { bug: Some(flockwave::rule(rule).expect("a rule")), rate: 20.0, ..Options::default() })
 }
@@ -71,7 +71,7 @@ fn receive(client: &mut dyn Client) -> Value {
     }
 }
 
-/// The answer to a request. Notifications that precede the answer are skipped.
+/// Waits for the answer to a request. Skips the notifications before it.
 fn answer(client: &mut dyn Client, id: &str) -> Value {
     let message = until(client, |message| message.get("refs").is_some());
     assert_eq!(message["refs"], id);
@@ -83,7 +83,7 @@ fn request_body(client: &mut dyn Client, id: &str, body: &Value) -> Value {
     answer(client, id)["body"].take()
 }
 
-/// The next message that matches a predicate.
+/// Waits for the next message that matches a predicate.
 fn until(client: &mut dyn Client, fits: impl Fn(&Value) -> bool) -> Value {
     loop {
         let message = receive(client);
@@ -93,7 +93,7 @@ fn until(client: &mut dyn Client, fits: impl Fn(&Value) -> bool) -> Value {
     }
 }
 
-/// Receives until the server ends the connection.
+/// Receives messages until the server closes the connection.
 fn until_end(client: &mut dyn Client) {
     loop {
         match client.receive(deadline()).expect("an orderly end") {
@@ -120,7 +120,7 @@ fn is_answered(client: &mut dyn Client, end: Instant) -> bool {
     }
 }
 
-/// Waits until the server has processed all that has arrived.
+/// Waits until the server has processed all data that has arrived.
 fn settle(server: &Server) {
     let mut other = client(server, ENDPOINTS[2]);
     for id in ["first", "second", "third"] {
@@ -128,7 +128,7 @@ fn settle(server: &Server) {
     }
 }
 
-/// True if there is no answer, although the server has processed all that has arrived.
+/// True if there is no answer, although the server has processed all data that has arrived.
 fn is_unanswered(server: &Server, client: &mut dyn Client) -> bool {
     settle(server);
     !is_answered(client, Clock::real().now() + READING_TIME)
@@ -202,7 +202,7 @@ fn sends_status_reports_without_a_request() {
     let server = serve(Options { rate: 20.0, ..Options::default() });
     for endpoint in ENDPOINTS.into_iter().filter(|(transport, _)| *transport != Transport::Http) {
         let mut client = client(&server, endpoint);
-        // Over UDP, the server knows a client only after its first datagram.
+        // Over UDP, the server knows a client only after the client's first datagram.
         request_body(&mut *client, "a", &json!({ "type": "SYS-PING" }));
         let message = until(&mut *client, |message| message["body"]["type"] == "UAV-INF");
         assert!(message.get("refs").is_none());
@@ -462,7 +462,7 @@ fn keeps_serving_after_garbage() {
         let text = [prefix.as_bytes(), &bytes].concat();
         for location in streams {
             let mut stream = TcpStream::connect(location).expect("a connection");
-            // The server may close the connection before it has read everything.
+            // The server may close the connection before it has read all data.
             let _ = stream.write_all(&text).and_then(|()| stream.write_all(b"\n"));
         }
         let socket = UdpSocket::bind("127.0.0.1:0").expect("a port");
@@ -517,7 +517,7 @@ fn tcp_bugs_are_observable() {
     let mut merged = client(&server, ENDPOINTS[0]);
     merged.send(ping("a").as_bytes()).expect("sent");
     answer(&mut *merged, "a");
-    // Both lines usually arrive in one segment, but this isn't certain.
+    // Both lines usually arrive in one segment, but not always.
     let is_seen = (0..20).any(|_| {
         merged.send_raw(format!("{}\n{}\n", ping("b"), ping("c")).as_bytes()).expect("sent");
         answer(&mut *merged, "b");
@@ -603,7 +603,7 @@ fn notifies_all_clients_of_the_shutdown() {
     ending.join().expect("the end");
 }
 
-/// Starts the program. Returns the process and the first line of its output.
+/// Starts the program. Returns the process, and the first line of its output.
 fn program(arguments: &[&str]) -> (Child, String) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_uavspec"));
     command.arg("serve").args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
@@ -677,11 +677,11 @@ fn serves_others_while_a_client_reads_nothing() {
     let ids: Vec<String> = (1..=200).map(|number| format!("glider-{number}")).collect();
     let text = request("a", &json!({ "type": "UAV-INF", "ids": ids })) + "\n";
     idle.set_nonblocking(true).expect("a socket");
-    // The server reads only as much as it can answer.
+    // The server reads only as many requests as it can answer.
     while idle.write(text.as_bytes()).is_ok() {}
     idle.set_nonblocking(false).expect("a socket");
     request_body(&mut *client(&server, ENDPOINTS[0]), "a", &json!({ "type": "SYS-PING" }));
-    // The messages to the idle client are still available.
+    // The messages for the idle client are still available.
     let mut first = [0; 20];
     idle.read_exact(&mut first).expect("an answer");
     assert!(first.starts_with(b"{\"$fw.version\""));

@@ -1,4 +1,4 @@
-//! Captures in object stores.
+//! Tests of captures in object stores.
 
 use std::path::Path;
 use std::process::Command;

@@ -1,7 +1,7 @@
-//! Tests with correct, buggy and misbehaving testees.
+//! Tests with testees that are correct, buggy, or violate the protocol.
 //!
 //! The testees are modes of the example program `testee`. No test depends on speed: in tests with hanging testees, time
-//! passes only while other testees answer, and all other tests have generous time limits.
+//! passes only while other testees answer, and all other tests have long time limits.
 
 mod attach;
 mod lint;
@@ -24,8 +24,8 @@ use uavspec_runtime::Scalar;
 use uavspec_schema::Element;
 use uavspec_test_support::{cargo, extent, wait_for};
 
-/// Definitions of a few messages with all kinds of fields. A testee reads them in a fraction of the time that the built-in
-/// definitions take.
+/// Definitions of a few messages with all kinds of fields. A testee reads them much faster than the built-in
+/// definitions.
 const DEFINITIONS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/testee/definitions");
 
 struct Suite {
@@ -59,7 +59,7 @@ fn testee() -> &'static Path {
     static TESTEE: OnceLock<PathBuf> = OnceLock::new();
     TESTEE.get_or_init(|| {
         let mut cargo = cargo();
-        // With `--workspace`, dependencies are built with the same features as by `cargo test --workspace`.
+        // With `--workspace`, dependencies are built with the same features as in `cargo test --workspace`.
         cargo.args(["build", "--quiet", "--workspace", "--example", "testee"]);
         cargo.args(["--message-format", "json"]).current_dir(env!("CARGO_MANIFEST_DIR"));
         let built = cargo.stderr(Stdio::inherit()).output().expect("cargo runs");
@@ -86,7 +86,7 @@ fn built_in_options(arguments: &[&str]) -> Options {
     }
 }
 
-/// The number of testees that start and answer while another one may be silent.
+/// The number of testees that must start and answer before another testee counts as silent.
 const PATIENCE: u32 = 40;
 
 /// Options for testees that hang.
@@ -95,8 +95,8 @@ fn impatient(arguments: &[&str], clock: &Clock) -> Options {
     Options { timeout: Duration::from_secs(4), clock, ..options(arguments) }
 }
 
-/// Runs a function with a clock that a good testee advances. A hanging testee can therefore be distinguished from a
-/// slow one, even on a busy computer.
+/// Runs a function with a clock that is advanced by a correct testee. Even on a busy computer, a hanging testee can
+/// therefore be distinguished from a slow one.
 fn patiently<T>(run: impl FnOnce(&Clock) -> T) -> T {
     let (clock, running) = (Clock::simulated(), Arc::new(()));
     let (case, is_running) = (&some_cases()[..1], Arc::downgrade(&running));
@@ -107,7 +107,7 @@ fn patiently<T>(run: impl FnOnce(&Clock) -> T) -> T {
                 clock.sleep(Duration::from_secs(4) / PATIENCE);
             }
         });
-        // A panic drops `running` as well.
+        // A panic also drops `running`.
         let outcome = run(&clock);
         drop(running);
         outcome
@@ -127,7 +127,7 @@ fn run_cases_of(suite: &'static Suite, selected: &[usize], options: &Options) ->
     run(&suite.cases, selected, &suite.types, options, &|_, _| {}).expect("a valid hello")
 }
 
-/// The first cases that decode.
+/// The indices of the first cases that decode.
 fn some_cases() -> Vec<usize> {
     let is_wanted = |case: &Case| case.op == Op::Decode && case.format == Some(Format::Uorb);
     let cases = suite().cases.iter().enumerate().filter(|(_, case)| is_wanted(case));
@@ -142,7 +142,7 @@ fn failures(outcome: &Outcome<'_>) -> BTreeSet<String> {
     outcome.failures().map(|(case, _)| case.name()).collect()
 }
 
-/// Runs eight cases with a testee that misbehaves on the fifth, and returns the verdict of the fifth case.
+/// Runs eight cases with a testee that misbehaves on the fifth case. Returns the verdict of this case, and the outcome.
 #[track_caller]
 fn culprit(mode: &str, options: impl Fn(&[&str]) -> Options) -> (Verdict, Outcome<'static>) {
     let selected = some_cases();
@@ -155,7 +155,7 @@ fn culprit(mode: &str, options: impl Fn(&[&str]) -> Options) -> (Verdict, Outcom
     (outcome.verdicts[4].1.clone(), outcome)
 }
 
-/// True if the testee rejects the input, although other codecs may decode it: a `bool` that is neither 0 nor 1, or an
+/// True if the testee rejects the input, although other codecs may decode it: a `bool` other than 0 and 1, or an
 /// infinity, which JSON can't represent.
 fn is_rejected(case: &Case) -> bool {
     case.rule.as_deref() == Some("PX-BOOL-01") || case.id.ends_with("-inf")
@@ -216,7 +216,7 @@ fn fails_on_swapped_bytes_that_are_observable() {
 
 #[test]
 fn fails_if_nan_is_lost() {
-    // In a decoded message, only NaN is null. No nested message in these cases has a float.
+    // In a decoded message, null always means NaN. No nested message in these cases has a float.
     let has_nan = |case: &&Case| match &case.expected.ok {
         ExpectedResponse::Message(Value::Object(members)) if !is_rejected(case) => {
             members.values().any(|value| {
@@ -236,12 +236,12 @@ fn reports_the_case_that_crashes_and_its_standard_error() {
     let Verdict::Crashed { how, stderr } = verdict else { panic!("{verdict:?}") };
     assert!(how.contains('3'), "{how}");
     assert_eq!(stderr, "no field of that name");
-    // The preceding cases pass again when repeated alone. The process that crashes is therefore not fresh, so the case
-    // is repeated in a fresh process.
+    // The preceding cases pass when they are repeated alone. The process that then crashes isn't fresh, so the case is
+    // repeated in a fresh process.
     assert!((2..=3).contains(&outcome.restarts), "{}", outcome.restarts);
 }
 
-/// When the testee ends, the processes that it started end too, and they don't delay the run.
+/// When a testee ends, the processes that it started end as well, and don't delay the run.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_crash_leaves_no_processes_behind() {
@@ -302,7 +302,7 @@ fn fails_on_an_unreadable_response_without_waiting() {
 fn gives_up_on_crashes_that_no_single_case_causes() {
     let selected = all_cases();
     let outcome = run_cases(&selected[..100], &options(&["crash-third"]));
-    // Any single case passes in a fresh process, so no case fails.
+    // In a fresh process, every single case passes, so no case fails.
     assert_eq!(failures(&outcome), BTreeSet::new());
     assert_eq!(outcome.restarts, 20);
     assert!(
@@ -319,7 +319,7 @@ fn continues_if_every_case_crashes() {
     assert_eq!(outcome.gave_up, None);
     let has_crashed = |(_, verdict): &(&Case, Verdict)| matches!(verdict, Verdict::Crashed { .. });
     assert!(outcome.verdicts.len() == 70 && outcome.verdicts.iter().all(has_crashed));
-    // Finding the first case that crashes takes some restarts; each later case takes one restart.
+    // Finding the first case that crashes takes some restarts. Each later case takes one restart.
     assert!((69..=72).contains(&outcome.restarts), "{}", outcome.restarts);
 }
 
@@ -447,7 +447,7 @@ fn reads_responses_from_a_file() {
     let (status, printed, _) = uavspec(folder.path(), &["--replay", "answers", filter]);
     assert!(status == Some(0) && printed.ends_with("conforms\n"), "{printed}");
 
-    // Without a hello, cases that have no response count as unsupported. An empty file therefore checks nothing.
+    // Without a hello, cases that have no response count as unsupported. Therefore, an empty file checks nothing.
     std::fs::write(folder.path().join("empty"), "").expect("a file");
     assert_eq!(uavspec(folder.path(), &["--replay", "empty"]).0, Some(5));
     std::fs::write(folder.path().join("odd"), "{\"id\":99999999,\"ok\":1}\nx\n").expect("a file");
@@ -467,10 +467,10 @@ fn tests_with_other_definitions() {
     assert!(status == Some(0) && printed.contains("Odd"), "{printed}{output}");
     assert!(printed.contains(" 0 failed, 0 unsupported, 0 not run, 0 restarts"), "{printed}");
     let (_, printed, _) = uavspec(folder, &["--definitions", ".", "--dump-cases", "-"]);
-    // Parsers can distinguish the largest int64 from the next larger integer, but not the smallest int64 from the next
-    // smaller integer.
+    // Parsers can distinguish the largest int64 from the next larger integer. They can't distinguish the smallest int64
+    // from the next smaller integer.
     assert!(printed.contains("Odd/offset-above-max") && !printed.contains("Odd/offset-below-min"));
-    // The reference testee for this repository supports none of these types.
+    // The reference testee of this repository supports none of these types.
     let (status, printed, _) = uavspec(folder, &["--definitions", ".", "--", testee]);
     assert!(status == Some(5) && printed.ends_with("nothing was checked\n"), "{printed}");
 }
@@ -485,7 +485,7 @@ fn a_crash_in_one_process_does_not_affect_others() {
     assert_eq!((outcome.counts().passed, outcome.counts().not_run), (299, 0));
 }
 
-/// Runs a codec written in another language.
+/// Tests a codec written in another language.
 fn check_testee(command: &[&str], script: &str) {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("testees").join(script);
     let command = command.iter().map(Into::into).chain([script.into()]).collect();

@@ -1,6 +1,6 @@
-//! Tests of the clients with servers that require a login or TLS, redirect, refuse, delay or lose messages.
+//! Tests of the clients with servers that require a login or TLS, or that redirect, refuse, delay or lose messages.
 //!
-//! No test depends on speed: expected events have generous time limits.
+//! No test depends on speed: expected events have long time limits.
 
 mod http;
 #[cfg(feature = "tls")]
@@ -23,7 +23,7 @@ use uavspec_test_support::{deadline, wait_for};
 /// The time for reading messages that have already arrived.
 const SHORT_TIME: Duration = Duration::from_millis(20);
 
-/// The URLs of all clients, without host and port.
+/// The URLs of all clients: the scheme, and the part after the host and the port.
 const URLS: [(&str, &str); 6] = [
     ("tcp", ""),
     ("udp", ""),
@@ -72,12 +72,12 @@ fn ping_server(client: &mut dyn Client) -> io::Result<String> {
     }
 }
 
-/// The result of a ping over a new connection.
+/// Opens a connection, sends a ping, and returns the type of the response.
 fn ping_at(endpoint: &Endpoint, access: &Access) -> io::Result<String> {
     ping_server(&mut *connect_with(endpoint, access, deadline())?)
 }
 
-/// The error of a ping over a new connection.
+/// Opens a connection and sends a ping, which must fail. Returns the error.
 fn refusal(endpoint: &Endpoint, access: &Access) -> io::Error {
     ping_at(endpoint, access).expect_err("a refusal")
 }
@@ -125,7 +125,7 @@ fn reports_a_build_without_tls() {
 
 #[test]
 fn ends_handshakes_with_silent_servers_in_time() {
-    // The system accepts connections in place of the server.
+    // The operating system accepts connections on behalf of the server.
     let listener = TcpListener::bind(location()).expect("a port");
     let address = listener.local_addr().expect("an address");
     let tls: &[_] = if cfg!(feature = "tls") { &[("tcps", ""), ("https", "")] } else { &[] };

@@ -1,5 +1,4 @@
-//! Tests that names, arguments, contents and responses reach the terminal or the log of a CI system only in escaped
-//! form.
+//! Tests that names, arguments, contents and responses reach a terminal or a CI log only in escaped form.
 
 #![cfg(unix)]
 
@@ -12,12 +11,12 @@ use std::process::Command;
 use serde_json::{Value, json};
 use uavspec_test_server::server::{answer_requests, custom_server};
 
-/// Text that starts a new line, and tries to be more than text there.
+/// Text that starts a new line, and would have a special effect there if it weren't escaped.
 const HOSTILE: &str = "x\n::error::FORGED\nFORGED \u{1b}]0;t\u{7}\u{1b}[31m\r\u{9b}2J\u{202e}\u{2028}\u{200b}##[error]y##vso[task.complete]z";
 
 const FORMATS: [&str; 7] = ["text", "short", "json", "junit", "sarif", "html", "markdown"];
 
-/// Runs uavspec with colours, and checks both outputs. Returns them.
+/// Runs uavspec with colours. Checks both outputs, and returns them.
 #[track_caller]
 fn checked(folder: &Path, arguments: &[&OsStr]) -> String {
     let run = Command::new(env!("CARGO_BIN_EXE_uavspec"))
@@ -48,7 +47,7 @@ fn assert_harmless(printed: &str) {
         name.is_some_and(char::is_alphanumeric) || line.trim_start().starts_with("FORGED")
     };
     assert_eq!(text.lines().find(|line| is_forged(line)), None, "{text}");
-    // A style from the input would begin in the middle of a word.
+    // A style that comes from the input would begin in the middle of a word.
     assert!(!printed.contains("\u{7}\u{1b}") && !printed.contains("t\u{1b}[31m"), "{printed:?}");
 }
 
@@ -56,7 +55,7 @@ fn strings(arguments: &[&str]) -> Vec<OsString> {
     arguments.iter().map(OsString::from).collect()
 }
 
-/// A name of a file without slashes.
+/// A hostile file name without slashes.
 fn name(extension: &str) -> OsString {
     format!("{HOSTILE}.{extension}").into()
 }

@@ -1,4 +1,4 @@
-//! Tests of the command `watch` when it is run by scripts.
+//! Tests of the command `watch` in scripts.
 
 use std::io::{BufRead as _, BufReader};
 use std::process::Command;
@@ -60,7 +60,7 @@ fn prints_the_state_of_a_capture() {
 
     std::fs::write(path, "{\"type\": \"UAV-LIST\", \"ids\": []}\n").expect("a file");
     let (status, _, output) = uavspec(&["watch", path]);
-    assert!(status == 3 && output.contains("no message of the display's topics"), "{output}");
+    assert!(status == 3 && output.contains("no message was received on the displayed topics"), "{output}");
 
     let (status, printed, output) = uavspec(&["watch", "no-such-file.ulg"]);
     assert_eq!((status, printed.as_str()), (3, ""));

@@ -39,7 +39,7 @@ impl File {
         Self { path: path.into(), bytes, mode: DOCUMENT }
     }
 
-    /// Reads a file. Its path in an archive is its name.
+    /// Reads a file. In an archive, the path of the file is only its name.
     pub(crate) fn read(path: &Path) -> Result<Self, String> {
         let bytes = fs::read(path).map_err(|error| format!("{}: {error}", path.display()))?;
         Ok(Self::binary(path.file_name().unwrap_or_default().to_string_lossy(), bytes))

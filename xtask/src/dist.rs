@@ -107,7 +107,7 @@ fn native(root: &Path, out: &Path) -> Result<bool, String> {
     Ok(true)
 }
 
-/// The platforms to build for.
+/// The platforms with these targets. Without targets, all platforms for which this machine can build.
 fn platforms(targets: &[String]) -> Result<Vec<&'static Platform>, String> {
     let mut platforms = Vec::new();
     for platform in &PLATFORMS {

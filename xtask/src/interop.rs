@@ -120,7 +120,7 @@ fn configuration() -> Result<(Vec<Tool>, Known), String> {
     Ok((tools, known))
 }
 
-/// Runs the tools. The result lacks tools that can't run.
+/// Runs the tools. The result omits tools that can't run.
 fn run_all(arguments: &Arguments, tools: &[&Tool], jobs: &Jobs) -> Result<BTreeMap<String, Tally>, String> {
     let at = |error: std::io::Error| format!("{TARGET}: {error}");
     let target = repository().join(TARGET);
@@ -168,7 +168,8 @@ fn show(tool: &Tool, tally: &Tally, seconds: f64) {
     }
 }
 
-/// Prints the unexplained disagreements, the errors and a summary. Returns true if there are none.
+/// Prints the unexplained disagreements, the errors and a summary. Returns true if there are no unexplained
+/// disagreements and no errors.
 fn report(tallies: &BTreeMap<String, Tally>, missing: &[&str], errors: &[String]) -> Result<bool, String> {
     let mut all = String::new();
     for (tool, Tally { disagreements, .. }) in tallies.iter().filter(|(_, it)| !it.disagreements.is_empty()) {

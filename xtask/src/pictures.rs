@@ -44,7 +44,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<bool, String> {
         return Ok(is_current);
     }
     let browser = browser()?;
-    // Chromium doesn't create the folder.
+    // Create the folder, because Chromium doesn't.
     let folder = root.join(SITE).join("pictures");
     fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     for (page, size) in PAGES {

@@ -56,7 +56,7 @@ impl Platform {
         format!("{}-unknown-linux-{library}", self.machine)
     }
 
-    /// The npm package with the program.
+    /// The name of the npm package with the program.
     pub(crate) fn npm_package(&self) -> String {
         let (system, processor) = self.node;
         format!("@uavspec/{system}-{processor}")

@@ -52,7 +52,7 @@ fn entries_without_findings_are_outdated() {
         messages.contains("subject = \"demo/Wind.speed\"") && messages.contains("--fix-baseline"),
         "{messages}"
     );
-    // This run doesn't check the rule of the entry.
+    // This run doesn't check the rule of the entry, so the entry isn't reported.
     lint(&folder, &["--baseline", "known.toml", "--rule", "unit-alias"], 0);
     let off = format!("{CONFIG}[lint.levels]\nunit-missing = \"off\"\n");
     write(&folder, "uavspec.toml", &off);
@@ -62,7 +62,7 @@ fn entries_without_findings_are_outdated() {
     lint(&folder, &["--baseline", "known.toml", "--fix-baseline"], 0);
     let fixed = known(&folder);
     assert!(!fixed.contains("Wind.speed") && fixed.contains("Wind.gust"), "{fixed}");
-    // A finding at the denied level takes precedence.
+    // A finding at the denied level takes precedence over an outdated baseline.
     write(&folder, "msg/Wind.msg", &WIND.replace("gust", "lull"));
     lint(&folder, &["--baseline", "known.toml"], 1);
 }

@@ -30,7 +30,7 @@ fn git(folder: &Path, arguments: &[&str]) {
     assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
 }
 
-/// A repository whose first commit, tagged `before`, has a message with one more field than the working tree.
+/// A repository with a commit tagged `before`. In this commit, a message has one more field than in the working tree.
 fn repository() -> TempDir {
     let folder = tempfile::tempdir().expect("a temporary folder");
     write(folder.path(), "definitions/uavspec.toml", CONFIG);

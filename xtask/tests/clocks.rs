@@ -6,8 +6,8 @@ use std::path::Path;
 
 use walkdir::WalkDir;
 
-/// The functions that read a real clock or wait by it. Tests use `uavspec_model::clock::Clock`: its simulated time, or
-/// the limits of `conformance/test-support`, which end only tests that would hang.
+/// The functions that read a real clock or wait for real time. Instead, tests use `uavspec_model::clock::Clock` with
+/// simulated time, or the limits of `conformance/test-support`. These limits only end tests that would hang.
 const REAL: [&str; 5] = ["thread::sleep", "Instant::now", "SystemTime::now", ".elapsed()", "tokio::time"];
 
 /// The tests that only `.ci/run --release` runs.

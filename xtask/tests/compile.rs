@@ -314,7 +314,7 @@ fn assertions(schema: &Json) -> Json {
                     keyword.as_str(),
                     "$schema" | "$id" | "$comment" | "$defs" | "title" | "description" | "default"
                 );
-                // A field may have the name of a keyword, but its value is a schema.
+                // Keep a field that has the name of a keyword. Its value is a schema.
                 !describes || keyword.as_str() != "$defs" && value.is_object()
             })
             .map(|(keyword, value)| match value {

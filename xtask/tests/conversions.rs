@@ -29,7 +29,7 @@ fn workspace(conversion: &str, hints: &str) -> TempDir {
     ])
 }
 
-/// The output of a command and its errors.
+/// Runs a command. Returns its standard output, followed by its standard error.
 #[track_caller]
 fn run(folder: &TempDir, arguments: &[&str], status: i32) -> String {
     let (printed, errors) = support::run(folder, arguments, status);
@@ -93,7 +93,7 @@ fn mistakes_in_the_configuration_are_errors_with_locations() {
         ("from = \"odl\"\nto = \"new\"", "no package `odl`; did you mean `old`?"),
         ("from = \"old\"\nto = \"other\"", "no package `other`"),
         ("from = \"old\"\nto = \"old\"", "`from` and `to` are the same package"),
-        ("from = \"old\"\nto = \"pages\"", "packages of pages can't be converted"),
+        ("from = \"old\"\nto = \"pages\"", "packages of specification pages can't be converted"),
         ("from = \"old\"", "missing field `to`"),
         ("from = \"old\"\nto = \"new\"\nhint = \"x\"", "unknown field `hint`"),
         (

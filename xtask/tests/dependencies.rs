@@ -1,4 +1,4 @@
-//! The dependencies of all crates.
+//! Tests of the dependencies of all crates.
 
 use std::process::{Command, Stdio};
 

@@ -26,8 +26,8 @@ pub(crate) fn part(bytes: &[u8], start: usize, length: usize) -> &[u8] {
     bytes.get(start..start + length).unwrap_or_default()
 }
 
-/// The little-endian bytes of a number, limited to the range of its type. Only the first bytes are used, according to
-/// the size of the type.
+/// The little-endian bytes of a number, limited to the range of its type. Only as many of the first bytes are used as
+/// the type has.
 #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, clippy::cast_sign_loss)]
 pub(crate) fn number_bytes(scalar: Scalar, number: Number) -> [u8; 8] {
     let float = |value: f64| match scalar {

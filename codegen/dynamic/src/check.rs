@@ -183,7 +183,7 @@ impl Leaf<'_> {
     }
 }
 
-/// The value of a number without a fraction.
+/// The value of a number as an integer, if the number has no fraction.
 pub fn whole(value: f64) -> Option<i128> {
     #[allow(clippy::cast_possible_truncation)] // within bounds
     (value.fract() == 0.0 && value.abs() < 1e30).then_some(value as i128)
@@ -218,7 +218,8 @@ fn check_characters<'t>(text: &[u8], bounds: Bounds) -> Result<(), Violation<'t>
     }
 }
 
-/// The value of a float. The value is rounded first, since ranges and special values apply to the rounded value.
+/// The value as a float of the type `scalar`. The value is rounded first, since ranges and special values apply to the
+/// rounded value.
 fn float<'t>(scalar: Scalar, leaf: Leaf<'_>) -> Result<Number, Violation<'t>> {
     let value = match leaf {
         Leaf::Null => f64::NAN,

@@ -182,12 +182,12 @@ impl<'e> DecodedEvent<'e> {
         Some(Self { events, component, event, values })
     }
 
-    /// The message for a reader.
+    /// The message for readers with this profile.
     pub fn message(&self, profile: Profile) -> String {
         self.text(&self.event.message, profile)
     }
 
-    /// The description for a reader; empty if there is none.
+    /// The description for readers with this profile; empty if there is none.
     pub fn description(&self, profile: Profile) -> String {
         self.text(&self.event.description, profile)
     }

@@ -14,7 +14,7 @@ pub struct DynamicMessage<'t> {
 }
 
 impl<'t> DynamicMessage<'t> {
-    /// A message from its bytes in memory.
+    /// Creates a message from its bytes in memory.
     pub(crate) fn of_memory(ty: MessageType<'t>, buffer: Vec<u8>) -> Self {
         Self { ty, buffer }
     }

@@ -157,7 +157,7 @@ fn draft(name: &str, fields: Vec<Field>) -> Draft {
         package: ULOG_PACKAGE.into(),
         name: name.into(),
         span: Span::default(),
-        // A type without fields takes no space, so arrays of any length would otherwise be accepted.
+        // Reject a type without fields. It takes no space, so arrays of any length would otherwise be accepted.
         defect: fields.is_empty().then_some(Defect::Unreadable),
         fields,
         placement: Placement::AsGiven,
@@ -219,7 +219,7 @@ fn array_length(text: &str) -> Result<u32, FormatProblem> {
     length.ok_or_else(|| FormatProblem::ArrayLength(text.to_owned()))
 }
 
-/// The basic types of `ULog`.
+/// The basic type of `ULog` with this name.
 fn basic(name: &str) -> Option<Scalar> {
     Some(match name {
         "int8_t" => Scalar::Int8,

@@ -124,7 +124,7 @@ fn emit_all(input: Input<'_>, options: &Options) -> Vec<OutputFile> {
         let module = |package: usize| {
             let name = &schema.packages[package].name;
             let found = packages.iter().find(|(found, _)| found.name == *name);
-            // Packages without messages have no module, and no conversions either.
+            // Packages without messages have neither a module nor conversions.
             found.map_or("", |(_, module)| module.as_str())
         };
         files.append(&mut conversion::files(&context, conversions, &module));
@@ -211,7 +211,7 @@ fn root(packages: &[(&Package, String)], has_conversions: bool, options: &Option
     let modules = packages.iter().map(|(package, module)| {
         let module = ident(module);
         let doc = documentation(&format!("Package `{}`.", package.name));
-        // The generator formats the code.
+        // The generator formats the code, so rustfmt skips it.
         quote!(#doc #[rustfmt::skip] pub mod #module;)
     });
     let conversions = has_conversions.then(conversion::declaration);
@@ -227,7 +227,7 @@ fn root(packages: &[(&Package, String)], has_conversions: bool, options: &Option
         #doc
         #readme
         #no_std
-        // Names and texts are copied from the definitions, so these lints can fail.
+        // Allow these lints, because names and texts are copied from the definitions and may violate them.
         #![allow(clippy::approx_constant)]
         #![allow(clippy::default_trait_access)]
         #![allow(clippy::doc_lazy_continuation)]

@@ -156,7 +156,7 @@ fn package(module: &Module, language: Language) -> String {
     items.extend(module.events.iter().map(|events| event::item(events, language)));
     items.retain(|item| !item.is_empty());
     if items.is_empty() && language != Language::CommonJs {
-        // A file without exports would not be a module.
+        // Add an export, because a file without exports would not be a module.
         items.push("export {};\n".to_owned());
     }
     text + &items.join("\n")

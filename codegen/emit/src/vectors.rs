@@ -84,7 +84,7 @@ use super::json_schema::{self, Target};
 const SUITE: &str = "json-schema-test-suite/tests/draft2020-12";
 
 impl Output for Options {
-    /// The vectors refer to the emitted schemas, so both have the same default base.
+    /// Uses the base of the emitted schemas by default, because the vectors refer to these schemas.
     fn complete(&mut self, others: &Others<'_>) {
         let base = self.base.take();
         self.base = base.or_else(|| others.text("json_schema", "base").map(str::to_owned));

@@ -128,7 +128,7 @@ fn uses_the_same_names_in_both_languages() {
         let modules = emit_typescript(schema, typescript::Form::Source);
         let mut typescript = names_after(text(&modules, "demo.ts"), &starts);
         let python = python_names(text(&python::emit(schema, &NONE), "demo.py"));
-        // Python doesn't need maps from message names to types.
+        // Ignore maps from message names to types, which Python doesn't need.
         for map in ["Messages", "Requests", "Responses", "Notifications"] {
             typescript.remove(map);
         }
@@ -202,7 +202,7 @@ fn flags_are_int_flags_only_if_all_values_are_positive() {
     for ty in ["uint8", "uint64"] {
         has(&text_of_flags(ty), "class SailFlag(IntFlag):");
     }
-    // `IntFlag` would turn -1 into the sum of all known flags.
+    // Signed flags don't use `IntFlag`, which would turn -1 into the sum of all known flags.
     for ty in ["int8", "int64"] {
         has(&text_of_flags(ty), "class SailFlag(OpenIntEnum):");
     }
@@ -213,7 +213,7 @@ const GLIDER: &str = "# A glider\n\nuint8 MODE_SOAR=1 # Soaring\nuint8 MODE_GLID
 
 const TOW: &str = "uint8[2] mode # [@enum Glider.MODE] What both do\n";
 
-/// Definitions with a partial translation into Portuguese.
+/// Definitions, and their partial translation into Portuguese.
 fn translated() -> (Schema, Translations) {
     let mut sources = SourceMap::default();
     let mut package = support::package("demo", Form::Msg(Dialect::Px4));

@@ -176,8 +176,9 @@ fn ros2_definitions_match_rosidl() {
     check(ros2_deviation, ROS2_DEVIATIONS);
 }
 
-/// Defaults of arrays, with the value that rosidl reads. The reference file has no such case; rosidl's parser splits
-/// lists of numbers at each comma, and skips a comma directly before the closing bracket of a list of strings.
+/// Checks that the defaults of arrays have the values that rosidl reads. The reference file contains no such
+/// defaults. rosidl's parser splits lists of numbers at each comma, and skips a comma directly before the closing
+/// bracket of a list of strings.
 #[test]
 fn reads_commas_in_default_lists_as_rosidl_does() {
     let default = |text: &str| {

@@ -222,7 +222,7 @@ fn rejects_exponential_nesting() {
     }
 }
 
-/// Hashing visits each nested field of each message.
+/// The limit is needed, because hashing visits each nested field of each message.
 #[test]
 fn limits_the_number_of_nested_fields_in_all_messages() {
     let levels = (0..18_u32).map(|level| match level.checked_sub(1) {
@@ -235,7 +235,7 @@ fn limits_the_number_of_nested_fields_in_all_messages() {
     };
     let rest: String = (0..46).map(|field| format!("bool x{field}\n")).collect();
     let max = [levels.collect(), copies("Copy", 6), vec![file("Rest", rest)]].concat();
-    // A quick run reads them without hashes.
+    // A quick run reads the definitions without hashes.
     let (_, _, diagnostics) = read_with(extent::<Read>(read, read_formats), PX4, &max);
     assert!(diagnostics.is_empty(), "2^22 fields: {:?}", diagnostics.first());
     assert_eq!(codes_of(PX4, &[max, copies("More", 3)].concat()), ["too-much-nesting"]);

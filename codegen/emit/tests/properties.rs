@@ -516,7 +516,7 @@ type PageRow = (u32, String, String);
 
 fn page() -> impl Strategy<Value = Vec<(usize, Vec<PageRow>)>> {
     let word = "[A-Za-z0-9é]{1,7}[.,;]?|RC_LOST|a\\|b|\\|";
-    // Before a number, these words refer to a code.
+    // Exclude words that refer to a code if a number follows.
     let word = word.prop_filter("a reference", |word| !word.to_lowercase().starts_with("code"));
     let description = prop_oneof![
         4 => vec(word, 1..9).prop_map(|words| words.join(" ")),

@@ -49,7 +49,7 @@ fn can_close(before: &str, after: &str) -> bool {
     before.len() <= MAX_TEXT_LEN
         && !before.contains("[@")
         && !before.contains("(@")
-        // The text on both sides must not join into a new annotation or a directive.
+        // The text on both sides must not join to form an annotation or a directive.
         && count('[') == count(']')
         && count('(') == count(')')
         && !before.trim_end().ends_with(['#', '/', '-'])

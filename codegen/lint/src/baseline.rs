@@ -197,7 +197,7 @@ impl Lists {
         let lists = Self::parse(texts, rules)?;
         let files = lists.files.iter().zip(files).map(|((source, _), path)| (*source, path));
         let files: Vec<(SourceId, PathBuf)> = files.collect();
-        // The target may be one of the lists.
+        // Resolve links, because the target may be one of the lists.
         let target = target.map(|path| fs::canonicalize(path).unwrap_or_else(|_| path.to_owned()));
         let target = files.iter().find(|(_, file)| Some(file) == target.as_ref()).map(|(source, _)| *source);
         Ok(Self { files, target, ..lists })
@@ -310,7 +310,8 @@ impl Lists {
         &self.sources
     }
 
-    /// Creates lists with the fixes of findings about stale entries, and with the text of the added entries.
+    /// Applies the fixes of findings about stale entries, appends the text of the added entries, and returns
+    /// the resulting lists.
     ///
     /// An entry is removed if it matches nothing, if it has expired, or if all its results pass. If only some cases
     /// pass, the entry keeps the failing cases. If messages differ, the entry gets the messages' common prefix, or

@@ -19,7 +19,7 @@ pub(super) const RULE: Rule = Rule {
 };
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
-    // The other parts of a service start after `---`.
+    // Check only the first part. The other parts of a service start after `---`.
     let source = subject.sources.span(subject.sources.source_of(subject.message.span));
     let lines = &subject.part.lines;
     let empty = lines.iter().take_while(|line| line.is_blank()).count();
@@ -28,7 +28,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     let place = Span { start: source.start, end: source.start };
     let finding = sink.report(place, "an empty line at the start of the file", "remove it");
     let is_comment = |line: &Line<'_>| line.item.is_none();
-    // Without the empty line, a comment would become the description of the message.
+    // Keep the empty line before a comment, which would otherwise become the description of the message.
     if !is_comment(first) {
         finding.edit(Span { start: source.start, end: first.span.start }, "");
     }

@@ -8,8 +8,8 @@ use super::rule::Converted;
 pub(super) const RULE: Rule = Rule {
     id: "conversion-undecided",
     statement: "A difference between two packages that neither the definitions nor hints resolve.",
-    why: "No conversion is generated for the message, because its data could change its meaning.",
-    fix: "Add a hint to the file that `hints` in the table `[[conversion]]` names.",
+    why: "No conversion is generated for the message, because the meaning of its data could change.",
+    fix: "Add a hint to the file that the key `hints` in the table `[[conversion]]` specifies.",
     levels: Levels::both(Level::Warning),
     bad: Example { path: "hints.toml", text: "# Nothing is decided yet.\n" },
     good: Example {

@@ -38,7 +38,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
                 first.insert(member.value, member.constant);
                 continue;
             };
-            // Two fields of different types result in two enums.
+            // Report each alias once, although two fields of different types result in two enums.
             if reported.insert(member.constant) {
                 let (constant, known) = (&constants[member.constant], &constants[*known]);
                 sink.report(

@@ -38,7 +38,8 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
         let Some(reference) = field.enumeration else { continue };
         let wider = *known.entry(reference).or_insert_with(|| wider(reference, subject.schema));
         let Some((constant, scalar)) = wider else { continue };
-        // A bit-mask field can have a different type from its constants, which may be bit numbers.
+        // Skip a bit-mask field, whose type may differ from the type of its constants, because these may be bit
+        // numbers.
         if bits.are_bits(field, reference, subject.schema) {
             continue;
         }
@@ -52,7 +53,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     }
 }
 
-/// Finds the first constant whose type is wider than the field's type.
+/// Finds the first constant whose type is wider than the field's type, and returns the constant with its type.
 fn wider(reference: EnumRef, schema: &Schema) -> Option<(&Constant, Scalar)> {
     let found = schema.enumeration(reference);
     let constants = &schema.message(reference.message).constants;

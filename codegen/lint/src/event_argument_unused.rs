@@ -27,7 +27,7 @@ pub(super) const RULE: Rule = Rule {
 
 fn check(package: &Package, _: &SourceMap, sink: &mut Sink<'_>) {
     for event in package.components.iter().flat_map(|component| &component.events) {
-        // Programs use the first arguments of these events.
+        // Programs use the first arguments of these events, even if the texts don't show them.
         let required = match event.kind {
             EventKind::Summary => continue,
             EventKind::AppendChecks => 1,

@@ -40,7 +40,7 @@ fn check_enum(schema: &Schema, enumeration: &EventEnum, sink: &mut Sink<'_>) {
         if entry.value != *value {
             let of = format!("`{}` of `{}` is {}", entry.name, enumeration.name, entry.value);
             let message = format!("`{}` is {value}, but {of} in event metadata", constant.name);
-            sink.report(constant.span, message, format!("write {} if the firmware does", entry.value));
+            sink.report(constant.span, message, format!("write {} if the firmware uses it", entry.value));
         }
     }
 }

@@ -10,8 +10,8 @@ use super::prelude::*;
 pub(super) const RULE: Rule = Rule {
     id: "event-mode-missing",
     statement: "A navigation state that has no bit in the mode groups of event metadata.",
-    why: "Health and arming reports state for each group of modes whether the vehicle can arm. A pilot learns nothing about \
-          a mode without a group.",
+    why: "A health and arming report says, for each group of modes, whether the vehicle can arm. A pilot learns \
+          nothing about a mode without a group.",
     fix: "Add the bit of the state to `navigation_mode_group_t`, or name the state `FREE` or `UNUSED` if it isn't used.",
     levels: Levels::both(Level::Note),
     bad: Example {

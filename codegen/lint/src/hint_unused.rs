@@ -6,8 +6,8 @@ use super::rule::Converted;
 pub(super) const RULE: Rule = Rule {
     id: "hint-unused",
     statement: "A hint that is never used.",
-    why: "A name in the hint is misspelled, or the hint is about other versions. Hints that are shared between projects may cover \
-        more versions than each project uses.",
+    why: "A name in the hint is misspelled, or the hint applies to other versions. Hints that are shared between \
+        projects may cover more versions than each project uses.",
     fix: "Correct the name, or remove the hint.",
     levels: Levels { px4: Some(Level::Note), strict: Some(Level::Warning) },
     bad: Example {

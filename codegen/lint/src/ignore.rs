@@ -62,7 +62,7 @@ enum Scope {
     Lines(Vec<Span>),
     /// Findings in this source.
     Source(SourceId),
-    /// Findings in these sources, or in all.
+    /// Findings in these sources, or in all sources for `None`.
     Sources(Option<BTreeSet<SourceId>>),
 }
 
@@ -214,7 +214,8 @@ fn find<'r>(rules: &[&'r Rule], id: &str) -> Option<&'r Rule> {
 
 /// Requests, indexed by scope.
 struct Index<'s> {
-    /// The ends of lines and the requests to ignore findings on them, by rule and the start of the line.
+    /// By rule and start of the line: the end of the line, and the index of the request that ignores
+    /// findings on the line.
     lines: BTreeMap<(&'s str, u32), (u32, usize)>,
     sources: BTreeMap<(&'s str, SourceId), usize>,
     /// The few requests in the configuration.

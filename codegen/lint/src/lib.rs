@@ -188,7 +188,7 @@ pub fn lint(
     catalogues: &[SourceId],
     settings: &Settings,
 ) -> Vec<Finding> {
-    // No rule needs the hashes of messages and types.
+    // Resolve without the hashes of messages and types, which no rule needs.
     resolve_and_lint(resolve_formats, sources, packages, catalogues, settings).1
 }
 

@@ -2,7 +2,7 @@
 
 use super::prelude::*;
 
-/// The defaults of these rules.
+/// The defaults of the rules in this module.
 const WARNING: Rule = Rule {
     id: "",
     statement: "",
@@ -72,7 +72,7 @@ pub(super) const ENUM_VALUE_OUT_OF_RANGE: Rule = Rule {
 pub(super) const EVENT_BIT: Rule = Rule {
     id: "event-bit",
     statement: "An entry of a bit field in event metadata that isn't a single bit.",
-    why: "Readers look up each bit of a value. They never show the entry.",
+    why: "Readers look up each bit of a value, so they never show the entry.",
     fix: "Use a power of two, or remove `is_bitfield` if the values aren't bits.",
     bad: winch_events![
         " \"enums\": {\"end_t\": {\"type\": \"uint8_t\", \"is_bitfield\": true, \"entries\": {",
@@ -337,7 +337,7 @@ pub(super) const UNKNOWN_ENUM: Rule = Rule {
 
 pub(super) const UNKNOWN_MEMBER: Rule = Rule {
     id: "unknown-member",
-    statement: "A member of event metadata that the format doesn't have.",
+    statement: "A member of event metadata that the format doesn't define.",
     why: "Readers ignore the member. Its name may be misspelt.",
     fix: "Correct the name, or remove the member.",
     bad: winch_events![

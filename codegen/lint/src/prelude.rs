@@ -9,7 +9,7 @@ pub(super) use uavspec_schema::source::SourceMap;
 pub(super) use super::rule::{Check, Levels, Measured, Rule, Scope, Sink, no_fix};
 pub(super) use super::subject::Subject;
 
-/// An example page, from the rows of its only table.
+/// Builds an example page from the rows of its only table.
 macro_rules! winch {
     (codes: $($row:literal),* $(,)?) => {
         Example {
@@ -33,7 +33,7 @@ macro_rules! winch {
 }
 pub(super) use winch;
 
-/// Example event metadata: a component with these members after its namespace.
+/// Builds example event metadata: a component with these members after its namespace.
 macro_rules! winch_events {
     (version $version:literal: $($line:literal),* $(,)?) => {
         Example {
@@ -48,7 +48,7 @@ macro_rules! winch_events {
 }
 pub(super) use winch_events;
 
-/// An example catalogue, from the contexts, texts and translations of its entries.
+/// Builds an example catalogue from the contexts, texts and translations of its entries.
 macro_rules! ukrainian {
     ($($context:literal, $text:literal, $translation:literal);* $(;)?) => {
         Example {

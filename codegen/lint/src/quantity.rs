@@ -157,7 +157,7 @@ fn bracketed(text: &str) -> impl Iterator<Item = (&'static str, Option<&str>)> {
     })
 }
 
-/// The end of the bracketed text at the start of `text`.
+/// The position after the bracket that closes the bracket at the start of `text`.
 fn closing(text: &str) -> Option<usize> {
     let mut depth = 0_usize;
     for (at, character) in text.char_indices() {

@@ -31,7 +31,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
         return;
     }
     let is_typo = |word: &str| {
-        // `glider_0` is a different topic.
+        // A topic such as `glider_0` is a different topic, not a mistyped one.
         word.len().abs_diff(default.len()) <= MAX_DISTANCE
             && !word.starts_with(&default)
             && strsim::damerau_levenshtein(word, &default) <= MAX_DISTANCE

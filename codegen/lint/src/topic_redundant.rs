@@ -20,7 +20,7 @@ pub(super) const RULE: Rule = Rule {
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     let listed = || topics::lines(subject).flat_map(topics::words);
     let default = default_topic(&subject.message.name);
-    // Another rule reports a topic that is listed twice.
+    // If the topic is listed twice, another rule reports it.
     let Some((_, place)) =
         listed().next().filter(|_| listed().nth(1).is_none()).filter(|(word, _)| *word == default)
     else {

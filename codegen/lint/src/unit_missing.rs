@@ -13,8 +13,8 @@ pub(super) const RULE: Rule = Rule {
         such as a ratio, a factor, a quaternion or a normalised value, or if it can hold any quantity, such as \
         `value`.",
     fix: "Write the unit at the start of the comment, or `[-]` for a number without a unit. If the unit is not known, \
-        write `no unit is defined`. If the comment states a unit in other words, such as `(m/s)`, the finding suggests \
-        the annotation.",
+        write `no unit is defined`. If the comment states a unit in another form, such as `(m/s)`, the finding \
+        suggests the annotation.",
     levels: Levels::both(Level::Warning),
     bad: glider!["float32 bank      # Bank angle"],
     good: glider!["float32 bank      # [rad] Bank angle"],

@@ -99,11 +99,11 @@ fn an_entry_is_stale_if_nothing_fails_matches_or_was_checked() {
     );
     let other = case("layout/soaring/Glider/typical", failed("x"));
     assert_eq!(reasons(&list, CASE, &[other]), ["baseline-unmatched: nothing in this run matches this case"]);
-    // A case that wasn't run might fail.
+    // A case that wasn't run might fail, so its entry isn't stale.
     assert_eq!(reasons(&list, CASE, &[case(name, Outcome::NotRun)]), NO_REASON);
     let second = case("decode-cdr/soaring/Glider/other", Outcome::NotRun);
     assert_eq!(reasons(&list, CASE, &[case(name, Outcome::Passed), second]), NO_REASON);
-    // The results of another command don't matter.
+    // The results of another command don't make the entry stale.
     assert_eq!(reasons(&list, RULE, &[]), NO_REASON);
 }
 

@@ -82,7 +82,7 @@ fn packages(corpus: &Path) -> Vec<(PathBuf, Dialect)> {
     };
     let changes = below("breaking", Dialect::Px4).into_iter();
     let changes = changes.flat_map(|(folder, dialect)| ["old", "new"].map(|at| (folder.join(at), dialect)));
-    // An odd step: both old and new files remain.
+    // An odd step keeps both old and new files.
     let mut packages: Vec<_> = changes.step_by(extent(1, 9)).collect();
     let is_wanted = |folder: &Path| extent(true, folder.ends_with("main"));
     packages.extend(below("px4", Dialect::Px4).into_iter().filter(|(folder, _)| is_wanted(folder)));

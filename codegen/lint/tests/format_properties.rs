@@ -18,7 +18,8 @@ const GAPS: &[&str] = &["", "", " ", "\t", "   "];
 /// Line endings. The last line of a text may have none.
 const ENDS: &[&str] = &["\n", "\n", "\n", "\r\n", " \n", "\t\r\n", "\n\n", "\n \t\n\n"];
 
-/// Declarations of both dialects. `~` stands for white space, `%` for a number that makes the name unique.
+/// Declarations of both dialects. `~` is a placeholder for white space, and `%` for a number that makes the name
+/// unique.
 const DECLARATIONS: &[&str] = &[
     "uint8~mode%",
     "uint64~timestamp%",

@@ -33,7 +33,7 @@ fn all() -> Settings {
     Settings { preset: Preset::Strict, levels, ..Settings::default() }
 }
 
-/// The findings of all rules for the given files.
+/// Checks the files with all rules. Returns the sources and the findings.
 fn judge(files: &[File]) -> (SourceMap, Vec<Finding>) {
     let mut sources = SourceMap::default();
     let files = files.iter().map(|(path, text)| (path.as_str(), text.as_str()));

@@ -161,7 +161,7 @@ fn prefixes(document: &Document<'_>, offset: usize, owner: Option<&str>) -> Vec<
     items
 }
 
-/// The prefixes that at least two constants of a message share, up to each `_`.
+/// The prefixes that at least two constants of a message share. Each prefix ends before a `_`.
 fn prefixes_of(message: &Message) -> Vec<Item> {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     for constant in &message.constants {
@@ -174,7 +174,7 @@ fn prefixes_of(message: &Message) -> Vec<Item> {
     counts.into_iter().map(item).collect()
 }
 
-/// The arrays of the message.
+/// The arrays of the message at a byte offset.
 fn arrays(document: &Document<'_>, offset: usize) -> Vec<Item> {
     let Some(message) = message_at(document, offset) else { return Vec::new() };
     let arrays = message.fields.iter().filter(|field| field.ty.shape != Shape::Single);

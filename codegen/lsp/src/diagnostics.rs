@@ -13,7 +13,7 @@ use super::snapshot::Snapshot;
 /// The name of the program in diagnostics.
 const SOURCE: &str = "uavspec";
 
-/// The diagnostics of all files of a project that have any.
+/// The diagnostics of a project, by file. Contains only files that have diagnostics.
 pub(super) fn of_project(project: &Project) -> BTreeMap<PathBuf, Vec<Diagnostic>> {
     let mut found: BTreeMap<PathBuf, Vec<Diagnostic>> = BTreeMap::new();
     if let Some(snapshot) = project.snapshot() {

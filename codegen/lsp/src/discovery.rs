@@ -21,7 +21,7 @@ const PAGES: &str = "pages";
 /// definitions.
 pub(super) fn plan(folder: &Path, open: &BTreeMap<PathBuf, String>) -> Plan {
     let saved = entries(folder).take(MAX_ENTRIES).filter_map(Result::ok).filter_map(msg_file);
-    // An open document may not have been saved yet.
+    // Include open documents, which may not have been saved yet.
     let unsaved = open.keys().filter(|path| path.starts_with(folder) && is_msg_file(path)).cloned();
     let files: BTreeSet<PathBuf> = saved.chain(unsaved).collect();
     let mut packages = Vec::new();

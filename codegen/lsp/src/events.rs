@@ -13,7 +13,7 @@ use super::outline::symbol;
 use super::snapshot::Document;
 use super::symbol::{Occurrence, Symbol};
 
-/// The members of an object that is a member of another object. `None` if it doesn't exist.
+/// The members of the object that is the value of `name`. Empty if there is no such object.
 fn members<'o, 's>(object: &'o Object<'s>, name: &str) -> &'o [ObjectProp<'s>] {
     object.get_object(name).map_or(&[], |found| &found.properties)
 }
@@ -70,7 +70,7 @@ pub(super) fn occurrences(document: &Document<'_>) -> Vec<Occurrence> {
                 if let (Some(ty), Some(reference)) = (ty, resolved.enumeration) {
                     let span = document.quoted(ty.range);
                     let text = document.text(span);
-                    // The namespace precedes the name.
+                    // Skip the namespace, which precedes the name.
                     let start = text.rfind("::").map_or(0, |at| at + "::".len());
                     push(Symbol::EventEnum(package, reference), span.part(start..text.len()), false);
                 }
@@ -99,7 +99,7 @@ impl Places {
         Self { events, enums }
     }
 
-    /// The index of the component, and the index of the event within it.
+    /// The event at a location: the index of its component, and its index in the component.
     fn event(&self, span: Span) -> Option<(usize, usize)> {
         self.events.binary_search_by_key(&span, |(known, _)| *known).ok().map(|at| self.events[at].1)
     }
@@ -109,7 +109,7 @@ impl Places {
     }
 }
 
-/// The symbols of a file: components, their enums and groups, and the entries and events in these.
+/// The symbols of a file: components, their enums with the entries, and their groups with the events.
 pub(super) fn symbols(document: &Document<'_>) -> Vec<DocumentSymbol> {
     let Some(root) = syntax(document.lines.text()) else { return Vec::new() };
     let outline = Outline { document };
@@ -166,13 +166,13 @@ impl Outline<'_, '_> {
         let name = name.and_then(text).unwrap_or(key);
         let detail = text(detail).unwrap_or_default().to_owned();
         let [whole, key] = [member.range, member.name.range()].map(|range| self.document.span_of(range));
-        // Editors refuse a symbol without a name.
+        // Use a placeholder for an empty name, because editors reject a symbol without a name.
         symbol(self.document, if name.is_empty() { "-" } else { name }, kind, detail, whole, key)
     }
 }
 
-/// The items for the type of an argument, an enum or an event, and the start of the text that they replace, within the
-/// line.
+/// The completion items for the type of an argument, an enum or an event. Also returns the start of the text that they
+/// replace, as a position in the line.
 pub(super) fn items(document: &Document<'_>, offset: usize) -> Option<(usize, Vec<Item>)> {
     let root = syntax(document.lines.text())?;
     let mut path = Vec::new();

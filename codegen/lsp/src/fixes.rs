@@ -1,4 +1,4 @@
-//! Quick fixes, and the fix of all findings of a document.
+//! Quick fixes, and an action that fixes all findings of a document.
 
 use lsp_types::{CodeAction, CodeActionKind, CodeActionResponse, Range, TextEdit, Uri, WorkspaceEdit};
 use uavspec_lint::apply;
@@ -9,7 +9,7 @@ use super::format::replacement;
 use super::snapshot::{Document, Snapshot};
 use super::uri;
 
-/// The fix of all findings.
+/// The kind of the action that fixes all findings.
 pub(super) fn fix_all() -> CodeActionKind {
     CodeActionKind::new("source.fixAll.uavspec")
 }
@@ -58,7 +58,7 @@ fn quick_fixes(document: &Document<'_>, range: Range) -> Vec<CodeAction> {
         .collect()
 }
 
-/// The fix of all findings of a document.
+/// The action that fixes all findings of a document.
 fn fix_of_all(document: &Document<'_>) -> Option<CodeAction> {
     let fixable: Vec<Finding> =
         findings(document).filter(|finding| !finding.fix.is_empty()).cloned().collect();

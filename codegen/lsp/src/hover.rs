@@ -48,7 +48,7 @@ pub(super) fn hover(document: &Document<'_>, history: &History<'_>, offset: usiz
     Some(Hover { contents, range: Some(document.lines.range(range)) })
 }
 
-/// The text about the rule that a directive names.
+/// The range of the rule that a directive names, and the text about this rule.
 fn of_directive(document: &Document<'_>, offset: usize) -> Option<(Range<usize>, String)> {
     let line = document.lines.line_of(offset);
     let start = document.lines.start(line);
@@ -61,7 +61,7 @@ fn of_directive(document: &Document<'_>, offset: usize) -> Option<(Range<usize>,
     Some((range, text.finish()))
 }
 
-/// The text about a unit or an annotation.
+/// The range of a unit or an annotation, and the text about it.
 fn of_annotation(document: &Document<'_>, offset: usize) -> Option<(Range<usize>, String)> {
     let tree = document.tree()?;
     let lines = tree.parts.iter().flat_map(|part| &part.lines);
@@ -230,7 +230,7 @@ impl Describer<'_> {
         Some(text)
     }
 
-    /// The fields whose enum contains a constant. A field of another message is named with its message.
+    /// The fields whose enum contains a constant. The name of a field of another message includes that message.
     fn fields_with(&self, owner: MessageId, constant: usize) -> Vec<String> {
         let is_member = |reference: EnumRef| {
             let mut members = self.schema.enumeration(reference).members.iter();

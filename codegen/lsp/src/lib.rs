@@ -1,4 +1,4 @@
-//! The language server: an editor's view of definitions, by the Language Server Protocol.
+//! The language server, which gives editors access to definitions through the Language Server Protocol.
 //!
 //! ```text
 //!  documents, files ──▶ Workspace ──▶ Project ──▶ Snapshot ──▶ answers, diagnostics
@@ -62,7 +62,7 @@ pub use self::server::Server;
 pub fn run(history: &History<'_>) -> Result<(), Failure> {
     let (connection, threads) = transport::stdio();
     serve(&connection, history)?;
-    // The threads end when the connection is closed.
+    // Close the connection, so that the threads end.
     drop(connection);
     threads.join().map_err(|error| Failure::new(format!("the connection to the editor failed: {error}")))
 }

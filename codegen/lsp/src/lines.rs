@@ -38,8 +38,8 @@ impl Encoding {
         u32::try_from(len).unwrap_or(u32::MAX)
     }
 
-    /// The byte offset of a column, limited to the end of the line. For a column within a character, the start of the
-    /// character.
+    /// The byte offset of a column, limited to the end of the line. For a column within a character, returns the start
+    /// of the character.
     fn offset(self, line: &str, column: u32) -> usize {
         let mut units = 0;
         for (at, character) in line.char_indices() {
@@ -55,7 +55,8 @@ impl Encoding {
     }
 }
 
-/// The number of UTF-16 code units of characters, which may be incomplete: the first byte of a character counts.
+/// The number of UTF-16 code units of characters, the last of which may be incomplete. All code units of a character
+/// count at its first byte.
 fn utf16_len(bytes: &[u8]) -> u32 {
     let units = |byte: &u8| -> u32 {
         match *byte {
@@ -100,7 +101,7 @@ impl<'t> Lines<'t> {
         Self::with_index(text, Arc::new(Index::new(text)), encoding)
     }
 
-    /// A text whose lines are known.
+    /// Creates the lines of a text whose index is known.
     pub(super) fn with_index(text: &'t str, index: Arc<Index>, encoding: Encoding) -> Self {
         Self { text, index, encoding }
     }
@@ -110,7 +111,7 @@ impl<'t> Lines<'t> {
         self.text
     }
 
-    /// The code units of columns.
+    /// The code units in which columns are counted.
     pub(super) fn encoding(&self) -> Encoding {
         self.encoding
     }

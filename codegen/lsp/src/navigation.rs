@@ -22,7 +22,7 @@ pub(super) fn references(document: &Document<'_>, offset: usize, with_definition
     let all = snapshot.documents().flat_map(|document| symbol::occurrences(&document));
     let mut places: Vec<Location> =
         all.filter(is_meant).filter_map(|occurrence| snapshot.location(occurrence.span)).collect();
-    // A message is defined by its file, which has no name to point to.
+    // Add the definition separately. A message is defined by its file, which contains no name to point to.
     if let (true, Symbol::Message(_)) = (with_definition, &found.symbol) {
         let definition = symbol::definition(snapshot, &found.symbol);
         places.extend(definition.and_then(|span| snapshot.location(span)));

@@ -111,7 +111,7 @@ fn section_end(document: &Document<'_>, page: &Page, at: usize) -> Span {
     let next = page.headings[at + 1..].iter().find(|heading| heading.level <= level);
     let whole = document.whole();
     let end = next.map_or(whole.end, |heading| {
-        // The line before the next heading.
+        // The section ends before the line of the next heading.
         let start = document.snapshot.offsets(document.id, heading.text.span()).start;
         let line = document.lines.start(document.lines.line_of(start));
         document.span(line.saturating_sub(1)..line).start
@@ -234,7 +234,7 @@ fn sections(document: &Document<'_>) -> Vec<FoldingRange> {
     (0..page.headings.len()).filter_map(section).collect()
 }
 
-/// A fold of at least two lines.
+/// The fold from the first to the last line. `None` for a single line.
 fn fold(first: usize, last: usize, kind: FoldingRangeKind) -> Option<FoldingRange> {
     let line = |line: usize| u32::try_from(line).unwrap_or(u32::MAX);
     (last > first).then(|| FoldingRange {

@@ -22,7 +22,7 @@ impl Parameters {
         let capabilities = parameters.get("capabilities").unwrap_or(&Value::Null);
         Map::<String, Value>::deserialize(capabilities)?;
         let folders: Option<Vec<WorkspaceFolder>> = member(parameters, "/workspaceFolders")?;
-        // An editor without workspace folders may send one folder.
+        // An editor without workspace folders may send a single root folder.
         let root: Option<Uri> = member(parameters, "/rootUri")?;
         let folders = folders.map(|folders| folders.into_iter().map(|folder| folder.uri).collect());
         Ok(Self {

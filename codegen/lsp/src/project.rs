@@ -51,7 +51,7 @@ enum Change {
     None,
     /// The text of open documents.
     Texts,
-    /// The set of files, or files that aren't open.
+    /// The set of files, or the content of files that aren't open.
     Files,
 }
 
@@ -60,7 +60,7 @@ pub(super) struct Project {
     pub(super) root: Root,
     change: Change,
     plan: Plan,
-    /// The referenced packages for which edits caused a search since files last changed. Some don't exist.
+    /// The packages that were searched since files last changed, because edits refer to them. Some don't exist.
     searched: BTreeSet<String>,
     snapshot: Option<Snapshot>,
     /// The reason why the definitions can't be read.
@@ -97,14 +97,14 @@ impl Project {
     /// Records the new text of an open document.
     pub(super) fn edit(&mut self, path: &Path, text: &str) {
         let read = self.snapshot.as_ref().and_then(|snapshot| snapshot.text(path));
-        // Editors open files that the project has read already.
+        // Ignore an opened file whose text the project has already read.
         if read == Some(text) && self.change == Change::None {
             return;
         }
         let is_read = read.is_some();
         let change = match &self.root {
             Root::Config(file) if file == path => Change::Files,
-            // A page without definitions is not part of the project.
+            // The set of files changes, because a page without definitions is not part of the project.
             Root::Folder(folder) if is_read != discovery::is_read(folder, path, text) => Change::Files,
             _ if is_read => Change::Texts,
             _ => Change::None,
@@ -165,7 +165,7 @@ fn unreadable(loaded: &Loaded) -> BTreeSet<SourceId> {
     loaded.diagnostics.iter().map(|diagnostic| loaded.sources.source_of(diagnostic.span)).collect()
 }
 
-/// The new texts of open documents.
+/// The texts of open documents that differ from the loaded texts.
 fn changed(loaded: &Loaded, open: &BTreeMap<PathBuf, String>) -> BTreeMap<SourceId, String> {
     let texts = loaded.paths.iter().filter_map(|(id, path)| Some((*id, open.get(path)?)));
     texts

@@ -77,7 +77,7 @@ pub(super) fn rename(
 fn check_kind(symbol: &Symbol) -> Result<(), String> {
     match symbol {
         Symbol::Prefix(..) => Err("a prefix belongs to several constants; rename each constant".to_owned()),
-        Symbol::Event(..) => Err("an event's id results from its name; it can't be renamed".to_owned()),
+        Symbol::Event(..) => Err("an event's id is derived from its name; it can't be renamed".to_owned()),
         Symbol::ErrorCode(..) => Err("an error code has a permanent number; it can't be renamed".to_owned()),
         _ => Ok(()),
     }
@@ -137,7 +137,7 @@ impl Renaming<'_> {
         edits
     }
 
-    /// The locations in the configuration file that select the message.
+    /// The locations in the configuration file at which the message is selected.
     fn selections(&self) -> Vec<Span> {
         let Symbol::Message(id) = self.symbol else { return Vec::new() };
         let schema = &self.snapshot.schema;
@@ -145,7 +145,7 @@ impl Renaming<'_> {
         let inputs = self.snapshot.loaded.packages.iter().filter(|input| input.name == *package);
         let selected = inputs.flat_map(|input| input.select.iter().flatten());
         let named = selected.filter(|(name, _)| name == self.old).map(|(_, span)| *span);
-        // The quotes are part of the span.
+        // Skip the quotes, which are part of the span.
         let inner = |span: Span| {
             let at = self.snapshot.loaded.sources.slice(span).find(self.old).unwrap_or(0);
             span.part(at..at + self.old.len())
@@ -225,11 +225,13 @@ impl Renaming<'_> {
         let counted = |field: &Field, fields: &[Field]| Some(fields.get(field.counts?)?.name.clone());
         Err(match (counted(old, before), counted(new, after)) {
             (Some(lost), None) => format!(
-                "`{}` would no longer count `{lost}`: write `[@count {lost}]` in its comment first",
+                "`{}` would no longer count `{lost}`: first write `[@count {lost}]` in the comment of the \
+                 count field",
                 new.name
             ),
             (Some(lost), Some(found)) => format!(
-                "`{}` would count `{found}` instead of `{lost}`: write `[@count {lost}]` in its comment first",
+                "`{}` would count `{found}` instead of `{lost}`: first write `[@count {lost}]` in the \
+                 comment of the count field",
                 new.name
             ),
             (None, found) => {
@@ -273,7 +275,7 @@ impl Renaming<'_> {
     }
 }
 
-/// The first problem that the old definitions don't have.
+/// The first problem of the new definitions that the old definitions don't have.
 fn added<'d>(before: &[Diagnostic], after: &'d [Diagnostic]) -> Option<&'d Diagnostic> {
     let mut known: HashMap<&str, usize> = HashMap::new();
     for diagnostic in before {

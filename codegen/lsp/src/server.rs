@@ -280,12 +280,12 @@ impl<'c> Server<'c> {
         self.published = current;
     }
 
-    /// The diagnostics of all files that have any.
+    /// The diagnostics by file. Contains only files that have diagnostics.
     fn diagnostics(&self) -> BTreeMap<PathBuf, Vec<Diagnostic>> {
         let mut current = BTreeMap::new();
         for project in &self.workspace.projects {
             let mut found = diagnostics::of_project(project);
-            // The owner of a file determines its findings, even if there are none.
+            // Keep only the findings of the project that owns the file, even if it has none.
             let is_owner = |owner: &Project| owner.root == project.root;
             found.retain(|path, _| self.workspace.owner_of(path).is_some_and(is_owner));
             current.append(&mut found);

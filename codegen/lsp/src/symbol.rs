@@ -42,8 +42,8 @@ pub(super) fn at(document: &Document<'_>, offset: usize) -> Option<Occurrence> {
     occurrences(document).into_iter().find(|found| found.span.start <= place && place <= found.span.end)
 }
 
-/// The name of a symbol where it is defined. A message is defined by its file, so its location is the start of the
-/// file.
+/// The location of a symbol's name in its definition. A message is defined by its file, so its location is the start of
+/// the file.
 pub(super) fn definition(snapshot: &Snapshot, symbol: &Symbol) -> Option<Span> {
     let declaration = declaration(snapshot, symbol)?;
     let path = snapshot.path(snapshot.loaded.sources.source_of(declaration))?;
@@ -138,7 +138,7 @@ impl<'d, 's> Finder<'d, 's> {
         };
         let text = self.document.text(field.ty.span);
         if let Some(at) = text.find(name) {
-            // The package precedes the name, and may contain it.
+            // Skip the package, which precedes the name and may contain it.
             let at = text.rfind('/').map_or(at, |slash| slash + 1);
             self.push(Symbol::Message(id), field.ty.span.part(at..at + name.len()));
         }

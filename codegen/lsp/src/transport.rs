@@ -25,7 +25,7 @@ impl Threads {
     }
 }
 
-/// Connects to the editor that started the program.
+/// Connects to the editor that started the program. Also returns the threads of the connection.
 pub(super) fn stdio() -> (Connection, Threads) {
     let (to_server, receiver) = bounded(MAX_WAITING);
     let (sender, to_editor) = bounded(MAX_WAITING);
@@ -115,7 +115,7 @@ mod tests {
         assert_eq!(read("").map(|messages| messages.len()), Ok(0));
     }
 
-    /// A length without a message causes no allocation.
+    /// A length without a following message causes no allocation.
     #[test]
     fn invalid_lengths_and_headers_are_errors() {
         for (text, expected) in [

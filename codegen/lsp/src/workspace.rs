@@ -21,7 +21,7 @@ pub(super) struct Workspace {
     opened: BTreeSet<PathBuf>,
     /// Open documents that may have no project.
     uncertain: BTreeSet<PathBuf>,
-    /// True if definitions were read since the diagnostics were published, or if a project was removed.
+    /// True if definitions were read since the diagnostics were last published, or if a project was removed.
     is_changed: bool,
 }
 
@@ -85,7 +85,7 @@ impl Workspace {
         }
     }
 
-    /// Closes a document. From now on, its file is read.
+    /// Closes a document. From then on, its file is read instead of its text.
     pub(super) fn close(&mut self, path: &Path) {
         self.open.remove(path);
         self.uncertain.remove(path);
@@ -136,7 +136,7 @@ impl Workspace {
         let is_alone = |path: &PathBuf| self.open.contains_key(path) && self.project_of(path).is_none();
         let alone: Vec<PathBuf> = opened.into_iter().filter(is_alone).collect();
         if !alone.is_empty() {
-            // The files may be new.
+            // Read the files again, because the opened files may be new.
             self.reload();
             self.read_changes();
             self.uncertain.extend(alone);
@@ -213,7 +213,8 @@ mod tests {
 
     use super::*;
 
-    /// A workspace with a number of definitions that were read.
+    /// Creates a workspace with `count` definitions, and reads them. Also returns the paths and texts of the
+    /// definitions.
     fn workspace(folder: &Path, count: usize) -> (Workspace, Vec<(PathBuf, String)>) {
         let files: Vec<(PathBuf, String)> = (0..count)
             .map(|number| (folder.join(format!("Wind{number}.msg")), format!("uint8 wind_{number}\n")))
@@ -238,7 +239,7 @@ mod tests {
         }
     }
 
-    /// A mistake in the configuration may be the reason why it doesn't include the file.
+    /// A mistake in the configuration may be the reason why the configuration doesn't include the file.
     #[test]
     fn a_file_that_was_opened_before_a_mistake_in_the_configuration_has_no_project() {
         for is_read_between in [true, false] {
@@ -260,8 +261,8 @@ mod tests {
         }
     }
 
-    /// If lines were found for each reference, the time would be proportional to the number of references and the size
-    /// of the file.
+    /// Finding the lines again for each reference would take time proportional to the number of references times the
+    /// size of the file.
     #[test]
     fn the_lines_of_a_file_are_found_once() {
         let folder = tempfile::tempdir().expect("a folder");

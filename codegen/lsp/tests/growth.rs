@@ -1,4 +1,4 @@
-//! Outputs and allocations grow with the size of the definitions, in each dimension.
+//! Tests that outputs and allocations grow linearly with the size of the definitions, in each dimension.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -66,7 +66,7 @@ fn files(count: usize) -> Files {
 #[test]
 fn outputs_grow_linearly_with_the_definitions() {
     for (name, count, files) in [
-        // With fewer fields, there would be vectors for each field, which grow quadratically.
+        // Use many fields. With fewer fields, there would be vectors for each field, which grow quadratically.
         ("fields", support::extent(2_000, 600), fields as fn(usize) -> Files),
         ("constants", support::extent(2_000, 300), constants),
         ("names", 50, length_of_names),
@@ -199,7 +199,8 @@ fn page(head: &str, rest: &str) -> Files {
 /// Reads files in one form.
 type Work = fn(Form, &Files);
 
-/// The parts of the generator that read definitions. Each part gets a multiple of the parts of a dimension.
+/// The tested operations, each with its name and a factor. The number of parts of a dimension is multiplied by this
+/// factor.
 const WORK: &[(&str, usize, Work)] = &[
     ("reading", 1, |form, files| {
         let (sources, package) = input(form, files);
@@ -247,7 +248,8 @@ const WORK: &[(&str, usize, Work)] = &[
     ("emitting Python", 1, |form, files| {
         emit(form, files, |schema, _| python::emit(schema, &Translations::default()));
     }),
-    // The vectors of a few fields grow quadratically. Large messages have no vectors for each field.
+    // Use large messages, which have no vectors for each field. For messages with few fields, these vectors grow
+    // quadratically.
     ("emitting vectors", 8, |form, files| {
         emit(form, files, |schema, _| vectors::emit(schema, &vectors::Options::default()));
     }),
@@ -289,7 +291,7 @@ fn allocations_grow_linearly_with_each_dimension() {
     let pairs = DIMENSIONS.into_iter().flat_map(|dimension| WORK.iter().map(move |work| (dimension, work)));
     // The step of a quick run selects different dimensions and parts.
     for ((name, form, count, files), (work, times, run)) in pairs.step_by(support::extent(1, 43)) {
-        // The first run also creates lazily initialized data.
+        // Run the operation once before counting, because the first run also creates lazily initialized data.
         run(form, &files(2));
         let [once, twice] = [count, 2 * count].map(|count| {
             let files = files(times * count);

@@ -115,7 +115,7 @@ fn errors_in_the_configuration_are_reported_there() {
 fn columns_count_in_the_units_of_the_editor() {
     let place = |editor: &mut Editor| {
         editor.open("src/tow_msgs/msg/Tow.msg");
-        // After the strings with characters of two and four bytes.
+        // The unknown unit follows strings with characters of two and four bytes.
         editor.edit("src/tow_msgs/msg/Tow.msg", "  # Name", "  # [parsec] Näme");
         editor.expect_codes("src/tow_msgs/msg/Tow.msg", &["unknown-unit"]);
         editor.diagnostics("src/tow_msgs/msg/Tow.msg")[0]["range"]["start"]["character"].clone()
@@ -542,17 +542,17 @@ uint8 num_marks  # Used marks
         (
             "float32[4] mar^ks",
             "points",
-            "`num_marks` would no longer count `marks`: write `[@count marks]` in its comment first",
+            "`num_marks` would no longer count `marks`: first write `[@count marks]` in the comment of the count field",
         ),
         (
             "uint8 num_mar^ks",
             "used",
-            "`used` would no longer count `marks`: write `[@count marks]` in its comment first",
+            "`used` would no longer count `marks`: first write `[@count marks]` in the comment of the count field",
         ),
         (
             "uint8 num_mar^ks",
             "num_force",
-            "`num_force` would count `force` instead of `marks`: write `[@count marks]` in its comment first",
+            "`num_force` would count `force` instead of `marks`: first write `[@count marks]` in the comment of the count field",
         ),
         ("uint8 ax^es", "num_force", "`num_force` would count `force`: choose a different name"),
     ] {

@@ -9,7 +9,7 @@ use serde::{Serialize, Serializer};
 /// The environment variable that sets the current time, in seconds since 1970. See reproducible-builds.org.
 const EPOCH_VARIABLE: &str = "SOURCE_DATE_EPOCH";
 
-/// The last year in TOML dates.
+/// The maximum year of a TOML date.
 const LAST_YEAR: u16 = 9999;
 
 /// A day of the Gregorian calendar, in UTC.
@@ -55,7 +55,8 @@ impl Date {
         })
     }
 
-    /// The first second of the day, since 1970. `None` before 1970, or if the day doesn't exist.
+    /// The time at which the day starts, in seconds since 1970. `None` before 1970, or if the day
+    /// doesn't exist.
     pub fn start(self) -> Option<u64> {
         let date = NaiveDate::from_ymd_opt(self.year.into(), self.month.into(), self.day.into())?;
         u64::try_from(date.and_time(NaiveTime::MIN).and_utc().timestamp()).ok()

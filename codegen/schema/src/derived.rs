@@ -34,7 +34,7 @@ const OF_ACTION: [&str; 10] = [
     "_Result",
 ];
 
-/// The service or action from which ROS 2 derives the message with a full name, such as `sky_msgs/action/Land` for
+/// The service or action from which ROS 2 derives the message with the full name `name`: `sky_msgs/action/Land` for
 /// `sky_msgs/action/Land_FeedbackMessage`.
 ///
 /// ```
@@ -86,7 +86,7 @@ impl Schema {
 
     fn add_message(&mut self, place: Place, name: String, fields: Vec<Field>) -> MessageId {
         let Place { package, kind, span } = place;
-        // The number of messages is limited when definitions are read.
+        // The reader limits the number of messages, so this conversion can't fail.
         let id = MessageId(u32::try_from(self.messages.len()).unwrap_or(u32::MAX));
         self.messages.push(Message { fields, ..Message::new(package, kind, name, span) });
         self.topological_order.push(id);
@@ -149,7 +149,8 @@ impl Derivation<'_> {
         self.add_event(place, service, [request, response]);
     }
 
-    /// The message `service_msgs/msg/ServiceEventInfo`, which is added if it isn't defined.
+    /// Returns the id of `service_msgs/msg/ServiceEventInfo`, and adds this message if it isn't
+    /// defined.
     fn info(&mut self, span: Span) -> MessageId {
         if let Some(known) = self.info.or_else(|| self.schema.defined("service_msgs", "ServiceEventInfo")) {
             return *self.info.insert(known);
@@ -161,7 +162,7 @@ impl Derivation<'_> {
         *self.info.insert(self.schema.add_to_package("service_msgs", "ServiceEventInfo", fields, span))
     }
 
-    /// The message `builtin_interfaces/msg/Time`, which is added if it isn't defined.
+    /// Returns the id of `builtin_interfaces/msg/Time`, and adds this message if it isn't defined.
     fn time(&mut self, span: Span) -> MessageId {
         let known = self.time.or_else(|| self.schema.defined("builtin_interfaces", "Time"));
         *self.time.insert(known.unwrap_or_else(|| {
@@ -171,7 +172,8 @@ impl Derivation<'_> {
         }))
     }
 
-    /// The message `unique_identifier_msgs/msg/UUID`, which is added if it isn't defined.
+    /// Returns the id of `unique_identifier_msgs/msg/UUID`, and adds this message if it isn't
+    /// defined.
     fn uuid(&mut self, span: Span) -> MessageId {
         let known = self.uuid.or_else(|| self.schema.defined("unique_identifier_msgs", "UUID"));
         *self.uuid.insert(known.unwrap_or_else(|| {

@@ -401,7 +401,7 @@ problems! {
     EventName { name: String, what: &'static str, form: &'static str } = Error "event-name"
         "`{name}` is not a valid name for {what}", "use {form}";
     EventEnumType { name: String } = Error "event-enum-type"
-        "`{name}` is not a type for an enum", "write an integer type from `uint8_t` to `int64_t`";
+        "`{name}` is not a valid type for an enum", "write an integer type from `uint8_t` to `int64_t`";
     EventBit { value: i128 } = Warning "event-bit"
         "{value} is not a single bit, so readers never show this entry", "use a power of two, or remove \
             `is_bitfield`";
@@ -419,20 +419,21 @@ problems! {
     EventTextLength { length: usize, max: usize } = Error "event-text-length"
         "the text has {length} bytes", "write at most {max} bytes";
     EventText { what: String } = Error "event-text"
-        "{what}", "correct the text; ground stations show it wrongly";
+        "{what}", "correct the text; ground stations show it incorrectly";
     EventInstance { count: usize } = Error "event-instance"
         "`instance_arg_index` refers to none of the {count} arguments", "write the index of an argument, from 0";
     EventSize { name: String, size: usize, max: usize } = Error "event-size"
         "the arguments of `{name}` take {size} bytes", "use smaller types or fewer arguments; an event has room for \
             {max} bytes";
     EventType { name: String, group: String } = Error "event-type"
-        "`{name}` is not a type of an event in the group `{group}`", "use `summary` only in the groups `arming_check` \
-            and `health`, and `append_health_and_arming_messages` only in other groups";
+        "`{name}` is not a valid type for an event in the group `{group}`", "use `summary` only in the groups \
+            `arming_check` and `health`, and `append_health_and_arming_messages` only in other groups";
     UnknownEventType { name: String } = Error "unknown-event-type"
         "unknown type `{name}`", "write a type such as `uint8_t` or `float`, or the name of an enum";
     EventArguments { name: String, expected: String } = Error "event-arguments"
-        "`{name}` has other arguments than its group and type require", "start with the arguments {expected}: \
-            `chunk_idx` and `health_component_index` have the type `uint8_t`, `mode` has `uint32_t`, and the others are bit fields";
+        "the arguments of `{name}` differ from those that its group and type require", "start with the arguments \
+            {expected}: `chunk_idx` and `health_component_index` have the type `uint8_t`, `mode` has `uint32_t`, and \
+            the others are bit fields";
 
     // Translation catalogues
     MalformedCatalogue { what: &'static str } = Error "malformed-catalogue"

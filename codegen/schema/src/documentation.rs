@@ -164,7 +164,7 @@ impl<'s> Reader<'s> {
         self.is_after_item = true;
     }
 
-    /// Reads a line `# TOPICS a b` of a PX4 message.
+    /// Reads a line `# TOPICS a b` of a PX4 message. Returns true if the comment is such a line.
     fn topics(&mut self, comment: &Comment<'s>, dialect: Dialect) -> bool {
         let Some(list) =
             comment.text.strip_prefix(" TOPICS ").filter(|_| dialect == Dialect::Px4 && comment.column == 0)

@@ -42,7 +42,8 @@ pub struct Member {
 }
 
 impl Enum {
-    /// The members, each with the first member with the same value if it is an alias of that member.
+    /// All members. An alias is paired with the first member that has the same value, other members
+    /// with `None`.
     pub fn with_aliases(&self) -> impl Iterator<Item = (&Member, Option<&Member>)> {
         let mut first = HashMap::new();
         self.members.iter().map(move |member| {

@@ -18,7 +18,7 @@ use uavspec_runtime::event::Labels;
 
 use crate::span::Span;
 
-/// The component with events that several components share.
+/// The name of the component whose events several components share.
 pub const COMMON: &str = "common";
 
 /// The group of events that report reasons against arming.
@@ -41,7 +41,8 @@ pub struct EventComponent {
     pub enums: Vec<EventEnum>,
     /// The events, by name.
     pub events: Vec<Event>,
-    /// The groups of navigation modes: the bit of each group, and the modes (`custom_mode` of `MAVLink`).
+    /// The groups of navigation modes: for each group, its bit and its modes (`custom_mode` of
+    /// `MAVLink`).
     pub mode_groups: Vec<(u8, Vec<u32>)>,
     /// The protocols that the component supports.
     pub protocols: Vec<String>,
@@ -138,7 +139,7 @@ pub enum EventKind {
     Plain,
     /// The summary of a health or arming report.
     Summary,
-    /// User interfaces add the reasons why a mode isn't available.
+    /// An event to which user interfaces append the reasons why a mode isn't available.
     AppendChecks,
 }
 
@@ -183,7 +184,7 @@ pub struct EventEnumRef {
 pub fn scalar(name: &str) -> Option<Scalar> {
     match name {
         "float" => Some(Scalar::Float32),
-        // Only `.msg` files have the types `byte` and `char`.
+        // Reject `byte` and `char`, which only `.msg` files have.
         _ => Scalar::from_name(name.strip_suffix("_t")?).filter(|scalar| {
             scalar.integer_bounds().is_some() && !matches!(scalar, Scalar::Byte | Scalar::Char)
         }),

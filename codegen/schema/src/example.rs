@@ -18,7 +18,7 @@ pub struct Example {
     pub text: &'static str,
 }
 
-/// An example message of PX4, from the lines after its timestamp.
+/// Builds an example PX4 message from the lines that follow its timestamp.
 #[doc(hidden)] // only for the rules of other crates
 #[macro_export]
 macro_rules! glider {
@@ -42,10 +42,10 @@ pub const CONVERTED: [Example; 2] = [
     Example { path: "new_msgs/Glider.msg", text: "float32 sink\nbool is_landed\n" },
 ];
 
-/// The file of a message with values that also occur in event metadata.
+/// The file of a message whose values also occur in event metadata.
 const STATUS: &str = "VehicleStatus.msg";
 
-/// The event metadata with the values of [`STATUS`].
+/// The event metadata that contains the values of [`STATUS`].
 const STATUS_EVENTS: Example = Example {
     path: "events.json",
     text: concat!(
@@ -154,8 +154,8 @@ impl Example {
         is_catalogue(self.path) || is_hints(self.path) || self.path.ends_with(EVENTS)
     }
 
-    /// The path and text. A catalogue or hints file is preceded by the definitions that it refers to. The state of a
-    /// vehicle is preceded by the event metadata with its values.
+    /// The path and text. A catalogue or hints file is preceded by the definitions that it refers to. The file
+    /// [`STATUS`] is preceded by the event metadata that contains its values.
     pub fn files(&self) -> Vec<(&'static str, &'static str)> {
         let definitions: &[Self] = match self.path {
             path if is_catalogue(path) => &[TRANSLATED],

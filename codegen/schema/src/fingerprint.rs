@@ -285,7 +285,7 @@ pub(crate) fn service_hash(schema: &Schema, interface: &Interface, package: usiz
 pub fn service_hash_of_event(schema: &Schema, event: &Message) -> Option<String> {
     let name = ros_name(schema, event);
     let service = name.strip_suffix("_Event").filter(|_| event.kind != Kind::Message)?;
-    // The first field contains information about the client.
+    // Skip the first field, which contains information about the client.
     let mut parts = event.nested().skip(1);
     Some(hash_of_service(schema, service.to_owned(), [parts.next()?, parts.next()?]))
 }

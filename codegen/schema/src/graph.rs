@@ -1,4 +1,5 @@
-//! Graphs that may have cycles, such as types that refer to each other. `steps` are the successors of each node.
+//! Graphs that may have cycles, such as types that refer to each other. `steps` lists the successors of each
+//! node.
 
 use petgraph::algo::kosaraju_scc;
 use petgraph::graph::{DiGraph, NodeIndex};
@@ -26,7 +27,8 @@ pub fn groups(steps: &[Vec<usize>]) -> Vec<Vec<usize>> {
     groups.map(|group| group.into_iter().map(NodeIndex::index).collect()).collect()
 }
 
-/// All nodes, each after its successors. Only successors that lead back to a node may follow it.
+/// All nodes, each after its successors. A successor may follow a node only if it leads back to
+/// this node.
 ///
 /// ```
 /// // 0 → 1 ⇄ 2 → 3

@@ -1,4 +1,4 @@
-//! The identity of files. Other spellings of a path, symbolic links and hard links lead to the same file.
+//! The identity of files: several paths, symbolic links and hard links may lead to the same file.
 //!
 //! ```
 //! use uavspec_schema::identity::Identity;
@@ -18,7 +18,7 @@ use same_file::Handle;
 
 use crate::limits::MAX_LINKS;
 
-/// The identity of a file, which may be absent. Pipes and devices have none, because writing to them replaces nothing.
+/// The identity of a file that may not exist. Pipes and devices have none, because writing to them replaces nothing.
 #[derive(Debug)]
 pub struct Identity {
     /// The path with all links resolved.
@@ -30,7 +30,7 @@ pub struct Identity {
 impl Identity {
     /// The file with this path; `None` for pipes, devices and folders.
     pub fn of(path: &Path) -> Option<Self> {
-        // Opening a pipe would take data from its reader.
+        // Don't open a pipe, because this would take data from its reader.
         let is_file = fs::metadata(path).map_or(true, |metadata| metadata.is_file());
         is_file.then(|| Self { path: real_path(path), handle: Handle::from_path(path).ok() })
     }
@@ -63,10 +63,10 @@ fn is_file(file: &File) -> bool {
     file.metadata().is_ok_and(|metadata| metadata.is_file())
 }
 
-/// Compares the real paths of files that don't exist yet.
+/// True if the real paths of two files that don't exist yet are equal.
 fn is_same_path(left: &Path, right: &Path) -> bool {
     if cfg!(any(windows, target_os = "macos")) {
-        // The file systems usually ignore case.
+        // Ignore case, as the file systems of these platforms usually do.
         return left.to_string_lossy().to_lowercase() == right.to_string_lossy().to_lowercase();
     }
     left == right

@@ -27,7 +27,8 @@ pub fn compact(value: &(impl Serialize + ?Sized)) -> String {
     text(|to| Ok(serde_json::to_writer(Escaping(to), value)?))
 }
 
-/// The written text; empty for a value whose keys aren't strings. Writing to memory can't fail.
+/// The text that `write` writes. Empty for a value whose keys aren't strings. Writing to memory
+/// can't fail.
 fn text(write: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> String {
     let mut text = Vec::new();
     write(&mut text).map_or_else(|_| String::new(), |()| String::from_utf8(text).unwrap_or_default())
@@ -38,14 +39,15 @@ struct Escaping<W>(W);
 
 impl<W: Write> Write for Escaping<W> {
     fn write(&mut self, part: &[u8]) -> io::Result<usize> {
-        // The serializer writes whole characters.
+        // The serializer never splits a character, so this can't fail.
         let text = str::from_utf8(part).map_err(io::Error::other)?;
         // In a string, a quotation mark precedes the text, so the text doesn't start a line.
         let mut command = Command::Text;
         let mut start = 0;
         for (at, character) in text.char_indices() {
             let is_invisible = is_hidden(character) || matches!(character, '\u{200c}' | '\u{200d}');
-            // A line break is between values. In a string, it is already an escape.
+            // Keep line breaks: they are between values, because line breaks in strings are already
+            // escaped.
             if character != '\n' && (is_invisible || command.is_completed_by(character)) {
                 self.0.write_all(&part[start..at])?;
                 for unit in character.encode_utf16(&mut [0; 2]) {

@@ -22,7 +22,7 @@ pub(crate) const MAX_UNIT_LEN: usize = 20;
 /// The maximum length of an annotation. The limit makes the search for `]` linear.
 pub(crate) const MAX_ANNOTATION_LEN: usize = 400;
 
-/// The maximum length of a file name that all common file systems accept, in bytes.
+/// The maximum length of a file name, in bytes. All common file systems accept this length.
 pub(crate) const MAX_NAME_LEN: usize = 255;
 
 /// The maximum size of a message. No PX4 or ROS 2 transport carries larger messages.

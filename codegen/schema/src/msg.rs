@@ -26,7 +26,7 @@ pub use self::parser::is_separator;
 use crate::diagnostic::Diagnostic;
 use crate::source::{SourceId, SourceMap};
 
-/// Parses the source `id`. The tree contains everything that could be read.
+/// Parses the source `id`. Returns a tree with everything that could be read, and the diagnostics.
 pub fn parse(
     sources: &SourceMap,
     id: SourceId,

@@ -98,7 +98,7 @@ fn escape(line: &str, out: &mut String) {
         if at >= searched && !previous.is_alphanumeric() {
             match address(rest) {
                 Ok(address) => {
-                    // A bare URL causes a warning in rustdoc.
+                    // Enclose a bare URL, because it causes a warning in rustdoc.
                     out.push('<');
                     out.push_str(address);
                     out.push('>');
@@ -137,7 +137,8 @@ fn is_ordinal_mark(line: &str, rest: &str, character: char) -> bool {
     matches!(character, '.' | ')') && !before.is_empty() && before.bytes().all(|byte| byte.is_ascii_digit())
 }
 
-/// The URL at the start of `text`, or the number of bytes at the start of `text` in which no URL starts.
+/// The URL at the start of `text`. If there is none, the error is a number of bytes: no URL starts in these first bytes
+/// of `text`.
 fn address(text: &str) -> Result<&str, usize> {
     if !text.starts_with("http://") && !text.starts_with("https://") {
         return Err(0);

@@ -150,7 +150,7 @@ fn visible_line(line: &str, range: Range<usize>) -> (Cow<'_, str>, Range<usize>)
     if line.bytes().all(Command::is_plain) {
         return (Cow::Borrowed(line), range);
     }
-    // A line number precedes the line.
+    // A line number precedes the line, so the text doesn't start a line.
     let (mut command, mut text, mut start, mut end) = (Command::Text, String::new(), None, None);
     for (at, character) in line.char_indices() {
         start = start.or((at >= range.start).then_some(text.len()));

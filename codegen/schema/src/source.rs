@@ -134,7 +134,8 @@ impl SourceMap {
         self.sources.iter().filter_map(Source::diagnostic)
     }
 
-    /// A copy with the same ids, but with new text for some of the sources. The copy may have other [`Self::errors`].
+    /// A copy with the same ids, but with new text for some of the sources. The [`Self::errors`] of the copy may
+    /// differ.
     #[must_use]
     pub fn with_texts(&self, texts: &BTreeMap<SourceId, String>) -> Self {
         let mut sources = Self::default();
@@ -143,7 +144,7 @@ impl SourceMap {
                 // Add invalid text as well, to preserve the ids.
                 let _ = sources.add(source.path.clone(), text.clone().into_bytes());
             } else {
-                // The text of an unreadable source isn't the text that was added.
+                // Copy an unreadable source unchanged, because its text isn't the text that was added.
                 let start = sources.next_start();
                 sources.sources.push(Source { start, ..source.clone() });
             }
@@ -205,8 +206,8 @@ impl SourceMap {
         Position { line: line + 1, column }
     }
 
-    /// The path and the text of the source that contains `span`, and the line in which `span` starts. One search takes
-    /// less time than several.
+    /// The path and the text of the source that contains `span`, and the line in which `span` starts. Searches only
+    /// once, which is faster than a search for each of these values.
     pub(crate) fn located(&self, span: Span) -> Located<'_> {
         let source = &self.sources[self.source_of(span).0 as usize];
         let range = source.range(span);

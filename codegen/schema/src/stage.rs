@@ -137,10 +137,12 @@ impl Stage {
     /// Locks an existing folder. `None` if the folder was removed in the meantime. Fails if it isn't a temporary folder
     /// of this user.
     fn take_over(path: PathBuf, user: u32, lock: fn(&File) -> io::Result<()>) -> io::Result<Option<Self>> {
-        // A link could lead to any other folder.
+        // Don't follow a link, which could lead to any other folder.
         match fs::symlink_metadata(&path) {
             Ok(metadata) if !metadata.is_dir() => return Err(foreign(&path, "is not a folder")),
-            Ok(metadata) if owner(&metadata) != user => return Err(foreign(&path, "is another user's")),
+            Ok(metadata) if owner(&metadata) != user => {
+                return Err(foreign(&path, "belongs to another user"));
+            }
             _ => {}
         }
         let Some(mut file) = open_lock(&path)? else { return Ok(None) };
@@ -165,8 +167,8 @@ impl Stage {
         Ok(Self { path, _lock: lock })
     }
 
-    /// Removes the temporary folders of this user's runs that were killed. A folder may be writable but not readable;
-    /// then nothing is removed.
+    /// Removes the temporary folders that killed runs of this user left behind. If `folder` is writable but not
+    /// readable, removes nothing.
     fn remove_abandoned(&self, folder: &Path) {
         let Ok(user) = fs::symlink_metadata(&self.path).map(|metadata| owner(&metadata)) else { return };
         for path in entries(folder).into_iter().flatten().filter(|path| *path != self.path) {
@@ -239,7 +241,8 @@ fn wait_for(lock: &File) -> io::Result<()> {
     FileExt::lock(lock).or_else(unless_unsupported)
 }
 
-/// Without locks, runs can't wait for each other.
+/// Ignores the error of a file system without locks. On such file systems, runs can't wait for each
+/// other.
 fn unless_unsupported(error: io::Error) -> io::Result<()> {
     if error.kind() == ErrorKind::Unsupported { Ok(()) } else { Err(error) }
 }
@@ -272,7 +275,7 @@ fn is_marked(lock: &mut File) -> bool {
     read.is_ok() && text == MARK
 }
 
-/// The owner of a file. Other systems have no user ids to compare.
+/// The user id of the owner of a file. On systems without user ids, 1 for a link, and 0 for anything else.
 fn owner(metadata: &Metadata) -> u32 {
     #[cfg(unix)]
     return std::os::unix::fs::MetadataExt::uid(metadata);

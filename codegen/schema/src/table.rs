@@ -48,7 +48,7 @@ impl Form {
     }
 }
 
-/// Parses the source `id`. The page contains everything that could be read.
+/// Parses the source `id`. Returns a page with everything that could be read, and the diagnostics.
 pub fn parse(sources: &SourceMap, id: SourceId) -> (Page, Vec<Diagnostic>) {
     let (text, span) = (sources.text(id), sources.span(id));
     let (page, mut diagnostics) = match Form::of(sources.path(id), text) {

@@ -34,7 +34,7 @@ pub fn is_known(text: &str) -> bool {
     lookup(text).is_some() || combined(text).is_some_and(str::is_empty)
 }
 
-/// Skips the factors at the start of a text. `None` if a factor is not a unit.
+/// Skips the factors at the start of a text, and returns the rest. `None` if a factor is not a unit.
 fn combined(text: &str) -> Option<&str> {
     let mut rest = factor(text.strip_prefix("1/").unwrap_or(text))?;
     while let Some(next) = rest.strip_prefix(['/', '*', '·']) {
@@ -43,7 +43,7 @@ fn combined(text: &str) -> Option<&str> {
     Some(rest)
 }
 
-/// Skips a unit with its exponent. Units in parentheses are flat: `(m/s)^2`.
+/// Skips a unit with its exponent, and returns the rest. Parentheses can't be nested: `(m/s)^2`.
 fn factor(text: &str) -> Option<&str> {
     let is_letter = |c: char| c.is_alphabetic() || matches!(c, '%' | '°' | 'Ω');
     let rest = if let Some((inner, rest)) = text.strip_prefix('(').and_then(|rest| rest.split_once(')')) {
@@ -68,7 +68,7 @@ pub fn find(text: &str) -> Option<&'static str> {
     if text.len() > MAX_FOUND_LEN {
         return None;
     }
-    // In prose, a rare unit is more likely to be an abbreviation.
+    // Ignore rare units, which are more likely to be abbreviations in prose.
     let symbol = |text: &str| listed(text).map(|unit| unit.symbol).filter(|_| !matches!(text, "d" | "l"));
     symbol(text).or_else(|| symbol(&text.to_ascii_lowercase()).filter(|_| text.len() > 3)).or_else(|| {
         let text = text.replace("**", "^").to_ascii_lowercase();

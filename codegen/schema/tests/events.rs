@@ -12,7 +12,7 @@ const MAX_MEMORY: u64 = 30 << 20;
 
 const VALID: &str = include_str!("fixtures/ok/events/b.json");
 
-/// The mistakes in event metadata. Reading takes little memory.
+/// The mistakes in event metadata. Panics if reading takes too much memory.
 fn mistakes(text: String) -> Vec<String> {
     let mut mistakes = Vec::new();
     let memory = measure(|| {

@@ -4,9 +4,9 @@
 //! `<code>`, and no error; it covers more than the example of the lint rule with this id. A case in `ok/<name>` causes
 //! no diagnostics. A folder `<code>-<case>` is an additional case for `<code>`.
 //!
-//! Markdown, `AsciiDoc` and text files are pages, `.json` files event metadata, and `.po` files translation catalogues.
-//! Other files are PX4 definitions, unless a `dialect` file contains `ros2`. With `ros2`, the files are ROS 2
-//! definitions, and each subfolder is a package.
+//! Markdown, `AsciiDoc` and text files are pages, `.json` files are event metadata, and `.po` files are translation
+//! catalogues. Other files are PX4 definitions, unless a `dialect` file contains `ros2`. With `ros2`, the files are ROS
+//! 2 definitions, and each subfolder is a package.
 //!
 //! To update: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-schema fixtures::`.
 
@@ -28,7 +28,7 @@ fn fixtures() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures")
 }
 
-/// The sorted names of the folders of `kind`.
+/// The sorted names of the cases in the folder `kind`.
 fn cases(kind: &str) -> Vec<String> {
     let entries = fs::read_dir(fixtures().join(kind)).expect("fixtures");
     let mut names: Vec<String> =
@@ -146,7 +146,7 @@ fn generated() -> [Generated; 5] {
 
 #[test]
 fn rejects_definitions_too_large_for_fixtures() {
-    // The limit on members is so high that reaching it takes seconds.
+    // In a quick run, skip the limit on members, because reaching it takes seconds.
     let is_tried = |(code, _): &Generated| extent(true, *code != "too-many-members");
     for (code, files) in generated().into_iter().filter(is_tried) {
         let mut sources = SourceMap::default();

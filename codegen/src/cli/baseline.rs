@@ -33,8 +33,8 @@ pub struct BaselineArgs {
     fix_baseline: bool,
     /// Add all findings that no baseline lists to this baseline, so that they count as known
     ///
-    /// If the file exists, its comments and the reasons for its entries stay, and entries that no longer apply are removed
-    /// or updated. Then write a reason into each new entry.
+    /// If the file exists, its comments and the reasons for its entries are kept, and entries that no longer apply are
+    /// removed or updated. Then write a reason into each new entry.
     #[arg(long, value_name = "FILE")]
     write_baseline: Option<PathBuf>,
 }
@@ -51,7 +51,7 @@ pub struct Baselines {
 }
 
 impl BaselineArgs {
-    /// The baselines that are only read, or changed by `--fix-baseline`.
+    /// The baselines that are inputs. They are either only read, or changed by `--fix-baseline`.
     pub fn inputs(&self) -> impl Iterator<Item = &Path> {
         let output = self.output().and_then(Identity::of);
         let is_output = move |path: &Path| {

@@ -52,7 +52,7 @@ pub struct BreakingArgs {
     /// Compare with this Git revision or folder
     #[arg(long, value_name = "REV | DIR")]
     against: String,
-    /// Kind of the two versions, which decides by how much the versions of messages must increase
+    /// Kind of the two versions, which determines by how much message versions must increase
     #[arg(long, default_value = "commits")]
     between: Between,
     #[command(flatten)]

@@ -69,7 +69,7 @@ fn changes(plan: &Plan, files: &FilesArgs) -> Result<(Vec<Change>, Loaded), Fail
         for id in package.sources.iter().filter(|id| is_selected(id)) {
             let Some(path) = loaded.paths.get(id) else { continue };
             let shown = loaded.sources.path(*id);
-            // A linked file is formatted once, even if several links lead to it.
+            // Format a linked file only once, even if several links lead to it.
             let path = fs::canonicalize(path).map_err(|error| Failure::new(format!("{shown}: {error}")))?;
             if !seen.insert(path.clone()) {
                 continue;

@@ -168,7 +168,7 @@ fn fix(
     let mut texts: BTreeMap<SourceId, String> = BTreeMap::new();
     let mut fixed = 0;
     for _ in 0..MAX_PASSES {
-        // The configuration file is never changed.
+        // Never change the configuration file.
         for finding in findings.iter_mut() {
             if !loaded.paths.contains_key(&loaded.sources.source_of(finding.span)) {
                 finding.fix.clear();

@@ -33,7 +33,8 @@ pub(super) fn protect_inputs<'i>(mut inputs: impl Iterator<Item = &'i Path>) -> 
     })
 }
 
-/// Prints a text to standard error, with colours if enabled. Removing the colours while writing would take longer.
+/// Prints a text to standard error, with colours if enabled. `render` receives true if colours are enabled, because
+/// removing colours from its text would take longer.
 pub(super) fn print_rendered(render: impl FnOnce(bool) -> String) {
     let is_plain = anstream::AutoStream::choice(&io::stderr()) == anstream::ColorChoice::Never;
     terminal::print_error(format_args!("{}", render(!is_plain)));

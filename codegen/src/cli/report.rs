@@ -105,7 +105,7 @@ impl Results<'_> {
     fn rendered(&self, sources: &SourceMap, styled: bool) -> String {
         let mut text = render::findings(self.findings, sources, styled);
         text += if self.findings.is_empty() { "" } else { "\n" };
-        // The table would repeat the last line.
+        // For a single rule, omit the table, which would repeat the last line.
         match self.totals.rules.len() {
             0 | 1 => text + &self.totals.headline() + "\n",
             _ => text + &self.totals.to_text(),

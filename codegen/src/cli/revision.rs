@@ -79,7 +79,7 @@ fn git<'a>(near: &Path, arguments: impl IntoIterator<Item = &'a str>) -> Result<
     })
 }
 
-/// The output of a successful command.
+/// The output of a command, or `None` if the command failed.
 fn text_of(output: &Output) -> Option<String> {
     output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim_end().to_owned())
 }
@@ -109,7 +109,7 @@ fn blob(line: &str) -> Option<Blob<'_>> {
     let mut facts = facts.split(' ');
     let (mode, _, id) = (facts.next()?, facts.next()?, facts.next()?);
     let path = PathBuf::from(path);
-    // A malicious tree may contain paths outside the folder.
+    // Reject paths outside the folder, which a malicious tree may contain.
     let is_plain = path.components().all(|part| matches!(part, Component::Normal(_)));
     (mode.starts_with("100") && is_plain).then_some(Blob { id, path })
 }

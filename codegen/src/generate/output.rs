@@ -110,14 +110,14 @@ pub(crate) fn write(folders: &[Folder], inputs: &[PathBuf]) -> Result<Vec<Differ
     Ok(differences(&changes))
 }
 
-/// A temporary folder in each output folder. Waits until no other run writes to these folders.
+/// Creates a temporary folder in each output folder. Waits until no other run writes to these folders.
 fn stages(folders: &[Folder]) -> Result<Vec<(&Path, Stage)>, Failure> {
     let mut real = Vec::new();
     for Folder { path, .. } in folders {
         let resolved = fs::create_dir_all(path).and_then(|()| fs::canonicalize(path));
         real.push((resolved.map_err(|error| unwritable(path, &error))?, path.as_path()));
     }
-    // All runs wait for folders in the same order, so they never wait for each other.
+    // All runs wait for folders in the same order, so no deadlock is possible.
     real.sort();
     if let Some(pair) = real.windows(2).find(|pair| pair[0].0 == pair[1].0) {
         return Err(shared(pair[0].1));
@@ -154,7 +154,7 @@ fn changes_of_all<'f>(folders: &'f [Folder], inputs: &[PathBuf]) -> Result<Vec<C
             return Err(shared(&folder.path));
         }
     }
-    // Missing inputs are reported elsewhere.
+    // Skip missing inputs, which are reported elsewhere.
     let inputs: BTreeSet<PathBuf> = inputs.iter().filter_map(|path| fs::canonicalize(path).ok()).collect();
     in_parallel(folders, |folder| changes_of(folder, &inputs))
 }
@@ -211,7 +211,7 @@ fn changes_of<'f>(folder: &'f Folder, inputs: &BTreeSet<PathBuf>) -> Result<Chan
     })
 }
 
-/// Reads a file. Reading a pipe would wait for a writer.
+/// Reads a file. Fails for anything other than a regular file, because reading a pipe would wait for a writer.
 fn read_file(path: &Path) -> io::Result<Vec<u8>> {
     let is_file = fs::metadata(path)?.is_file();
     if is_file { fs::read(path) } else { Err(io::Error::other("expected a file")) }

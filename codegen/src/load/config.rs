@@ -395,7 +395,7 @@ fn conversions(
     Ok(planned)
 }
 
-/// Checks that a package with `.msg` files has this name.
+/// Checks that `name` is the name of a package with `.msg` files.
 fn check_package(name: &Spanned<String>, packages: &[Package]) -> Result<(), (Range<usize>, String)> {
     let found = packages.iter().find(|package| package.name.get_ref() == name.get_ref());
     let Some(package) = found else {
@@ -405,7 +405,7 @@ fn check_package(name: &Spanned<String>, packages: &[Package]) -> Result<(), (Ra
         return Err((name.span(), format!("no package `{}`{advice}", name.get_ref())));
     };
     if matches!(package.dialect, DialectName::Table) {
-        return Err((name.span(), "packages of pages can't be converted".to_owned()));
+        return Err((name.span(), "packages of specification pages can't be converted".to_owned()));
     }
     Ok(())
 }

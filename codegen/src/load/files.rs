@@ -154,7 +154,7 @@ fn loader(plan: &Plan, sources: SourceMap) -> Result<Loader<'_>, Failure> {
 struct Loader<'p> {
     plan: &'p Plan,
     loaded: Loaded,
-    /// The folder of each ROS 2 package, which contains the folder `msg`.
+    /// The folder of each ROS 2 package, by the name of the package. The folder contains the folder `msg`.
     folders: BTreeMap<String, PathBuf>,
 }
 
@@ -398,7 +398,7 @@ pub(super) fn ros_package_of(file: &Path) -> Option<(String, PathBuf)> {
         return None;
     }
     let folder = kind_folder.parent()?;
-    // A relative path such as `msg/A.msg` may have no further parent.
+    // Make the path absolute, because a relative path such as `msg/A.msg` may have no further parent.
     let absolute = std::path::absolute(folder).ok()?;
     let name = manifest_name(&absolute);
     Some((name.or_else(|| Some(absolute.file_name()?.to_str()?.to_owned()))?, absolute))
@@ -586,7 +586,7 @@ fn matching(folder: &Path, pattern: &str, is_match: impl Fn(&Path) -> bool) -> R
     Ok(paths.filter(|path| set.is_match(path)).map(|path| base.join(path)).collect())
 }
 
-/// The path of a folder. The path of the current folder may be empty.
+/// The path of a folder, with `.` instead of an empty path.
 fn or_current(folder: &Path) -> &Path {
     if folder.as_os_str().is_empty() { Path::new(".") } else { folder }
 }

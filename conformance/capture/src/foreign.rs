@@ -1,6 +1,6 @@
-//! Names files that aren't captures by their first bytes, with the remedy.
+//! Identifies files that aren't captures by their first bytes, and says what to do with them.
 
-/// The number of bytes that are needed to name a file.
+/// The number of bytes that are needed to identify a file.
 pub const START: usize = 512;
 
 /// The magic bytes of files, each with its offset and a description.
@@ -31,13 +31,13 @@ const MAGICS: [(usize, &[u8], &str); 31] = [
     (
         0,
         b"\xa3\x95\x80",
-        "a log of PX4's old logger (.px4log): PX4 1.4 and later write ULog; set the parameter SYS_LOGGER to 1 in \
-         older ones",
+        "a log from PX4's old logger (.px4log): PX4 1.4 and later write ULog; set the parameter SYS_LOGGER to 1 \
+         in older ones",
     ),
     (
         0,
         b"#ROSBAG V1",
-        "a bag of an old ROS 1 version: convert it first, with `rosbag fix` and `rosbags-convert`",
+        "a bag from an old ROS 1 version: convert it first, with `rosbag fix` and `rosbags-convert`",
     ),
     (0, b"\xd4\xc3\xb2\xa1", PCAP),
     (0, b"\xa1\xb2\xc3\xd4", PCAP),
@@ -46,7 +46,7 @@ const MAGICS: [(usize, &[u8], &str); 31] = [
     (0, b"\x0a\x0d\x0d\x0a", PCAP),
     (16, b"BUILD", DJI),
     (242, b"DJI_LOG_V", DJI),
-    (0, b"H Product:Blackbox", "a log of Betaflight or INAV (Blackbox): only logs of PX4 are supported"),
+    (0, b"H Product:Blackbox", "a Betaflight or INAV log (Blackbox): only logs of PX4 are supported"),
     (0, b"\x89HDF\r\n", "an HDF5 file: check the log or bag that it was made from"),
     (0, b"PAR1", "a Parquet file: check the log or bag that it was made from"),
     (0, b"%PDF-", "a PDF file, not a capture"),
@@ -59,15 +59,14 @@ const UTF_16: &str = "UTF-16 text: convert it to UTF-8 first, for example with `
 
 const UTF_32: &str = "UTF-32 text: convert it to UTF-8 first, for example with `iconv -f UTF-32 -t UTF-8`";
 
-const ARDUPILOT: &str = "a DataFlash log of ArduPilot: only logs of PX4 (ULog) are supported";
+const ARDUPILOT: &str = "an ArduPilot DataFlash log: only logs of PX4 (ULog) are supported";
 
 const PCAP: &str = "a network capture (pcap): record the topics as a bag, for example with `ros2 bag record` or `uavspec \
                     probe`";
 
-const DJI: &str = "a flight log of DJI: only logs of PX4 (ULog) are supported";
+const DJI: &str = "a DJI flight log: only logs of PX4 (ULog) are supported";
 
-const TLOG: &str =
-    "a telemetry log of MAVLink (.tlog): check the log that the flight controller wrote (.ulg)";
+const TLOG: &str = "a MAVLink telemetry log (.tlog): check the log that the flight controller wrote (.ulg)";
 
 const MAVLINK: &str = "MAVLink messages: check the log that the flight controller wrote (.ulg)";
 
@@ -96,7 +95,7 @@ fn is_web_page(start: &[u8]) -> bool {
 /// Describes `MAVLink` packets. In telemetry logs, the time in µs precedes each packet.
 fn mavlink(start: &[u8]) -> Option<&'static str> {
     let is_packet = |at: usize| {
-        // A non-empty payload, and the source of a vehicle or a ground station.
+        // The payload must not be empty.
         let packet = start.get(at..at + 6)?;
         (MAVLINK_PACKETS.contains(&packet[0]) && packet[1] > 0).then_some(())
     };
@@ -141,15 +140,15 @@ mod tests {
             (b"\xff\xfe\0\0{\0\0\0", "UTF-32 text"),
             (b"version https://git-lfs.github.com/spec/v1\noid sha256:00", "a Git LFS pointer"),
             (b"/annex/objects/MD5E-s1--0.ulg", "a git-annex pointer"),
-            (b"\xa3\x95\x80\x80\x59FMT\0BBnNZ", "a DataFlash log of ArduPilot"),
-            (b"FMT, 128, 89, FMT, BBnNZ, Type,Length", "a DataFlash log of ArduPilot"),
+            (b"\xa3\x95\x80\x80\x59FMT\0BBnNZ", "an ArduPilot DataFlash log"),
+            (b"FMT, 128, 89, FMT, BBnNZ, Type,Length", "an ArduPilot DataFlash log"),
             (b"\xa3\x95\x80\x81\x0bTIME", "a log of PX4's old logger"),
             (&[&time[..], &packet].concat(), "a telemetry log of MAVLink"),
             (&packet.repeat(2), "MAVLink messages"),
-            (b"#ROSBAG V1.2\n", "a bag of an old ROS 1 version"),
+            (b"#ROSBAG V1.2\n", "a bag from an old ROS 1 version"),
             (b"\xd4\xc3\xb2\xa1\x02\0\x04\0", "a network capture"),
             (b"\x0a\x0d\x0d\x0a\x1c\0\0\0", "a network capture"),
-            (&dji, "a flight log of DJI"),
+            (&dji, "a DJI flight log"),
             (b"H Product:Blackbox flight data recorder", "a log of Betaflight or INAV"),
             (b"\n<!DOCTYPE HTML>", "a web page"),
         ] {

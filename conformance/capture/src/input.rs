@@ -316,7 +316,7 @@ mod tests {
         use super::super::search::CYCLE;
         use super::*;
 
-        /// The paths below `folder`, with `/`.
+        /// The paths relative to `folder`, with `/` as the separator.
         fn below(folder: &Path, paths: &[PathBuf]) -> Vec<String> {
             let below =
                 |path: &PathBuf| path.strip_prefix(folder).expect("below").to_string_lossy().into_owned();

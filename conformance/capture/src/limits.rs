@@ -18,7 +18,7 @@ pub(crate) const MAX_PACKED: u64 = 256 << 20;
 /// The maximum plausible length of a compression name, in bytes.
 pub(crate) const MAX_PACKING: usize = 64;
 
-/// The maximum number of bytes after the known fields of a record with a fixed size, a chunk or an attachment. Later
+/// The maximum number of bytes after the known fields of a fixed-size record, of a chunk, or of an attachment. Later
 /// versions of the format may add fields at the end of all records except messages.
 pub(crate) const MAX_ADDED: u64 = 4_096;
 

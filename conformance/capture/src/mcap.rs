@@ -63,17 +63,17 @@ pub const ENDPOINT: &str = "uavspec:endpoint";
 /// [`ApplicationType::to_values`](uavspec_model::ApplicationType::to_values) returns the values.
 pub const APPLICATION: &str = "uavspec:application";
 
-/// The name of the metadata records about lost messages. The values are `topic` and `count`.
+/// The name of the metadata records about lost messages. Their keys are `topic` and `count`.
 pub const LOST: &str = "uavspec:lost";
 
-/// The name of the metadata records about data of a live vehicle that wasn't received or can't be read. The value is
-/// `text`.
+/// The name of the metadata records about data of a live vehicle that wasn't received or can't be read. Their only key
+/// is `text`.
 pub const UNREADABLE: &str = "uavspec:unreadable";
 
-/// The name of the metadata records about notable events, such as invalid announcements. The value is `text`.
+/// The name of the metadata records about notable events, such as invalid announcements. Their only key is `text`.
 pub const NOTE: &str = "uavspec:note";
 
-/// The name of the metadata record of a recording that was cut short. The value is `reason`.
+/// The name of the metadata record of a recording that was cut short. Its only key is `reason`.
 pub const CUT_SHORT: &str = "uavspec:cut_short";
 
 /// The names of attachments with the event metadata of the vehicle. PX4's build gives its files the same names.
@@ -82,7 +82,7 @@ pub const EVENT_METADATA: [&str; 2] = ["all_events.json", "all_events.json.xz"];
 /// The metadata key of a channel whose messages were sent by this program. The value is `true`.
 pub const OWN: &str = "uavspec:own";
 
-/// The start of the library's name in the header of a file that this program wrote.
+/// The prefix of the library name in the headers of files that this program writes.
 pub const LIBRARY: &str = "uavspec ";
 
 /// The magic bytes at the start and at the end of a file.

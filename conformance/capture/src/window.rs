@@ -27,7 +27,8 @@ impl<R: Read> Window<R> {
         Ok(())
     }
 
-    /// Reads once, in order to have `count` bytes after the cursor. Returns false at the end of the input.
+    /// Calls the input's `read` once. The buffer then has room for `count` bytes after the cursor, if that many are
+    /// available. Returns false at the end of the input.
     ///
     /// The buffer grows with the available data, not with `count`.
     pub(crate) fn read(&mut self, count: usize) -> io::Result<bool> {

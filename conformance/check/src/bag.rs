@@ -134,7 +134,7 @@ struct BagContent {
     bus: Vec<BusTopic>,
 }
 
-/// The channels of a bag, with their messages. The files of a bag are read one after the other.
+/// The channels of a bag, and the state of their check. The files of a bag are read one after the other.
 struct Channels<'d> {
     run: CheckRun<'d>,
     schemas: Schemas,
@@ -167,8 +167,8 @@ impl<'d> Channels<'d> {
         }
     }
 
-    /// Opens a channel, and returns its index. A channel that an earlier file declares continues. `claimed` contains
-    /// the channels of this file. An error describes the problem.
+    /// Opens a channel, and returns its index. If an earlier file declared the same channel, that channel is continued.
+    /// `claimed` contains the channels of this file. The error describes the problem.
     fn declare(
         &mut self,
         declared: &Declared,
@@ -209,7 +209,7 @@ impl<'d> Channels<'d> {
         Ok(self.open.len() - 1)
     }
 
-    /// Counts a message, and returns its number. All calls until the next message concern this message.
+    /// Counts a message, and returns its number. Subsequent calls concern this message, until the next call of `begin`.
     fn begin(&mut self, logged: Logged) -> u64 {
         self.run.records += 1;
         self.run.record_at(logged.time / 1_000);
@@ -222,7 +222,7 @@ impl<'d> Channels<'d> {
         self.run.extent != Extent::Whole
     }
 
-    /// Reports a corrupt part. `file` is the name of a file in a bag of several files; otherwise, it is empty.
+    /// Reports a corrupt part. `file` is the name of the file within the bag; empty if the bag has only one file.
     fn corruption(&mut self, file: &str, location: Location, text: &str, extent: Extent) {
         let text = if file.is_empty() { text.to_owned() } else { format!("{file}: {text}") };
         self.run.corruption(location, text, extent);
@@ -257,7 +257,7 @@ impl<'d> Channels<'d> {
             return self.format(open);
         }
         let is_unknown = lacks_schema && !has_hash(&declared.metadata);
-        // This program may have sent messages before the release was known.
+        // At this point, this program may have received messages before it knew the release.
         let has_defined_hash = self.has_defined_hash(declared, message_id);
         let is_outdated = declared.metadata.contains_key(OWN) && !has_defined_hash;
         if is_outdated || is_unknown && definitions.is_undecided(message_id) {
@@ -297,7 +297,8 @@ impl<'d> Channels<'d> {
         self.format(open);
     }
 
-    /// Chooses the reader for the messages of a channel without a definition: they must agree with their own schema.
+    /// Chooses the reader for the messages of a channel without a definition. They are checked against the channel's
+    /// own schema.
     fn read_own(&mut self, open: &mut Open, declared: &Declared) {
         let stated = match self.schemas.own(declared.schema) {
             Ok(stated) => stated,
@@ -370,7 +371,8 @@ impl<'d> Channels<'d> {
         }
     }
 
-    /// Reports a hash that can't be the hash of any type. rosbag2 writes an empty hash if it doesn't know the hash.
+    /// Reports a hash that has an invalid form, unless it is empty: rosbag2 writes an empty hash if it doesn't know the
+    /// hash.
     fn malformed_hash(&mut self, open: &Open, declared: &Declared, definition: Option<MessageId>) {
         let Some(stated) = declared.metadata.get(HASH) else { return };
         if !stated.is_empty() && !is_type_hash(stated) {
@@ -405,7 +407,7 @@ impl<'d> Channels<'d> {
         }
     }
 
-    /// Decides by a message whether a JSON channel has the type that its name suggests.
+    /// Decides from a message whether a JSON channel has the type that its name suggests.
     fn decide(&mut self, index: usize, message_id: MessageId, payload: &[u8], location: Location) {
         let tree = utf8(payload).and_then(|text| Tree::read(text).map_err(|error| error.to_string()));
         let message = match tree {
@@ -415,7 +417,7 @@ impl<'d> Channels<'d> {
         let Some(is_confirmed) = confirms(&message, message_id, self.run.definitions) else {
             return self.open[index].tally.count(false, None);
         };
-        // Removes the channel while it is opened, and then puts it back in its place.
+        // The channel is removed while it is opened, and then put back in its place.
         let mut open = self.open.swap_remove(index);
         if let Reading::Guess(_, declared) = std::mem::replace(&mut open.reading, Reading::Skipped)
             && is_confirmed
@@ -514,7 +516,7 @@ fn check_message(
     findings: &mut Findings,
 ) -> Result<Clean, String> {
     let text = utf8(payload)?;
-    // Foxglove writes bytes as base64, as rosbridge does.
+    // Foxglove writes bytes as base64, like rosbridge.
     if let Ok(clean) = plans.read_text(origin.id, text, origin.is_rosbridge, values) {
         return Ok(clean);
     }
@@ -524,13 +526,13 @@ fn check_message(
     Ok(Clean { timestamp: plans.timestamp(origin.id, &tree), dialects })
 }
 
-/// Decodes a JSON message that may have findings. `None` if its values don't fit into its fields.
+/// Decodes a JSON message that may have findings. Returns `None` if a value doesn't fit into its field.
 fn decoded<'t>(payload: &[u8], ty: MessageType<'t>) -> Option<DynamicMessage<'t>> {
     let tree = Tree::read(utf8(payload).ok()?).ok()?;
     decode(&tree, ty, true).ok().map(|(message, _)| message)
 }
 
-/// True if the text has the form of a ROS type hash. Nothing is known about the digits of other versions.
+/// True if the text has the form of a ROS type hash. For other versions of the hash, the digits aren't checked.
 fn is_type_hash(text: &str) -> bool {
     if let Some(digits) = text.strip_prefix(HASH_VERSION) {
         return digits.len() == HASH_DIGITS && digits.bytes().all(|byte| byte.is_ascii_hexdigit());

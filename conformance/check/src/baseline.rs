@@ -14,7 +14,7 @@ pub fn rule_ids() -> Vec<&'static str> {
     RULES.iter().map(|rule| rule.id).collect()
 }
 
-/// True for the rules to which captures are compared.
+/// True if the id is the id of a rule that applies to captures.
 pub fn is_rule(id: Option<&str>) -> bool {
     id.is_some_and(|id| uavspec_rules::rule(id).is_some())
 }
@@ -34,7 +34,8 @@ fn without_namespace(name: &str) -> String {
     format!("{}{field}", topic_of(topic))
 }
 
-/// The results of the rules for a file. A few representative messages describe each group of findings.
+/// The results of the rules for a file, for comparison with baselines. Each group of findings is represented by a few
+/// messages.
 pub fn rule_outcomes<'r>(file: &'r str, findings: &'r Findings) -> impl Iterator<Item = (Name<'r>, Outcome)> {
     let rules = RULES.iter().map(move |rule| {
         let outcome = if findings.covered(rule) > 0 { Outcome::Passed } else { Outcome::Idle };
@@ -51,7 +52,8 @@ pub fn unread_outcome(file: &str) -> impl Iterator<Item = (Name<'_>, Outcome)> {
     RULES.iter().map(move |rule| (Name::rule(rule.id, file), Outcome::NotRun))
 }
 
-/// Marks the findings in a file as known if there is an entry. Entries are added for violations and warnings only.
+/// Marks the findings in a file as known if a baseline entry covers them. New entries are added for violations and
+/// warnings only.
 pub fn excuse_findings(lists: &mut Lists, file: &str, findings: &mut Findings) {
     findings.excuse(|group| {
         let (name, messages) = (finding_name(group.rule, group.name(), file), group.messages());

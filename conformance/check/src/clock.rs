@@ -15,12 +15,13 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// Sets the time of the start, unless it is known.
+    /// Sets the time of the start, unless it is already set.
     pub(super) fn start(&mut self, time: u64) {
         self.start.get_or_insert(time);
     }
 
-    /// Sets the time in UTC that corresponds to a time, unless one is known or the time in UTC is implausible.
+    /// Sets the time in UTC that corresponds to a time of the capture, unless one is already set or the time in UTC is
+    /// implausible.
     pub(super) fn set_utc(&mut self, time: u64, utc: u64) {
         if self.utc_offset.is_none() && utc >= MIN_UTC {
             self.utc_offset = utc.checked_sub(time);
@@ -32,7 +33,7 @@ impl Clock {
         self.start
     }
 
-    /// The time since the start, in s. Some records are older than the start.
+    /// The time since the start, in s. Negative for a record that is older than the start.
     pub fn seconds(&self, time: u64) -> Option<f64> {
         let difference = i128::from(time) - i128::from(self.start?);
         #[allow(clippy::cast_precision_loss)] // µs are exact for centuries

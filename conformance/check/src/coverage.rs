@@ -135,7 +135,8 @@ impl Share {
         Self { checked, total: Some(total) }
     }
 
-    /// The share of this many records with the same number of values each.
+    /// The share of values for `records` records, of which `checked` were checked. Each record has the same number of
+    /// values.
     pub(super) fn times(self, checked: u64, records: u64) -> Self {
         Self { checked: self.checked * checked, total: self.total.map(|total| total * records) }
     }
@@ -194,7 +195,7 @@ impl PartResult {
         Self::Undecodable,
     ];
 
-    /// True if all records were checked against a definition or their own schema.
+    /// True if all records were checked, against a definition or their own schema.
     pub fn is_covered(self) -> bool {
         matches!(self, Self::Checked | Self::OwnSchema)
     }
@@ -225,7 +226,7 @@ impl From<&Comparison> for PartResult {
 }
 
 impl Tally {
-    /// A number of records that weren't decoded.
+    /// A tally for records that weren't decoded.
     pub(super) fn of(records: u64) -> Self {
         Self { records, ..Self::default() }
     }
@@ -253,7 +254,7 @@ impl Tally {
 }
 
 impl Parts {
-    /// Adds the records of a topic or type. Several channels may have the same name.
+    /// Adds the records of a topic or type. Channels with the same name share a part.
     pub(super) fn add(&mut self, name: &str, result: PartResult, tally: Tally, values: Share) {
         if tally.records == 0 {
             if self.empty.len() < MAX_PARTS && !name.is_empty() {
@@ -280,7 +281,7 @@ impl Parts {
         }
     }
 
-    /// Adds a result to the part with this name, if there is one.
+    /// Adds a result to the part with this name, if it exists.
     pub(super) fn add_result(&mut self, name: &str, result: PartResult) {
         if let Some(part) = self.by_name.get_mut(name) {
             part.result = part.result.max(result);
@@ -323,7 +324,7 @@ impl Part {
     }
 
     fn finish(&mut self) {
-        // A record of a decodable type is skipped only if the record can't be decoded.
+        // If some records of a decodable type were skipped, they can't be decoded.
         if self.result < PartResult::Undecodable && !self.records.is_full() {
             self.result = PartResult::Undecodable;
         }
@@ -350,7 +351,7 @@ impl Coverage {
         self.units.is_full()
     }
 
-    /// True if nothing was checked: no value, and no topic or type. Messages without fields have no values.
+    /// True if nothing was checked: no value, no topic and no type. Messages without fields have no values, but count.
     pub fn is_empty(&self) -> bool {
         self.values.checked == 0 && self.units.checked == 0
     }
@@ -424,7 +425,7 @@ impl Coverage {
 mod tests {
     use super::{MAX_PARTS, PartResult, Parts, Share, Tally, Unit};
 
-    /// Counts checked records at these times, in s.
+    /// Counts checked records with these times, in s.
     fn tally(seconds: &[u64]) -> Tally {
         let mut tally = Tally::default();
         for second in seconds {

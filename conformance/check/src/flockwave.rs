@@ -97,7 +97,7 @@ impl<'d> FlockwaveChecker<'d> {
     }
 
     pub(super) fn with_run(run: CheckRun<'d>) -> Self {
-        // The fast path drops the content of status reports, which an observer needs.
+        // The fast path drops the content of status reports, but an observer needs it.
         let reports = match &run.observer {
             Some(_) => Reports::disabled(),
             None => Reports::new(run.definitions),
@@ -188,7 +188,7 @@ impl<'d> FlockwaveChecker<'d> {
             .to_owned())
     }
 
-    /// Handles a line of a recorded session.
+    /// Handles a record of a recorded session, parsed from a line.
     fn recorded(&mut self, tree: &Tree<'_>, text: &str, location: Location) -> Result<(), String> {
         let name = match tree.get("conn") {
             None | Some(Tree::Null) => None,
@@ -249,7 +249,8 @@ impl<'d> FlockwaveChecker<'d> {
         Ok(())
     }
 
-    /// Handles a whole message after an incomplete text on the same connection. No piece can complete the text.
+    /// Handles the end of an incomplete text: a whole message follows on the same connection, so no piece can complete
+    /// the text.
     fn end_pieces(&mut self, name: Option<&str>) -> Result<(), String> {
         let index = self.connection(name.unwrap_or_default())?;
         if self.pieces.end(index).is_some() {
@@ -274,7 +275,7 @@ impl<'d> FlockwaveChecker<'d> {
     fn record(&mut self, line: &ParsedLine<'_>, location: Location) -> Result<(), String> {
         let ParsedLine { name, direction, time, content, text, trial, note } = *line;
         let content = match content {
-            // For a repeated key, the server may use a different value than these rules.
+            // If a key is repeated, the server may use a different value than these rules.
             Content::Message(value) if direction == Direction::Out && value.repeats_a_key() => Content::Raw,
             other => other,
         };
@@ -346,7 +347,7 @@ impl<'d> FlockwaveChecker<'d> {
             json_type::Direction::Notification => &mut self.source.notifications,
         } += 1;
         let Some(name) = name else {
-            // Envelope rules also check messages without a type.
+            // Envelope rules also check messages that have no type.
             return self.run.checked += u64::from(is_from_server);
         };
         let num_values = match message.get("body") {
@@ -356,7 +357,7 @@ impl<'d> FlockwaveChecker<'d> {
         self.count_type(record, name, direction, num_values);
     }
 
-    /// Counts a message of a type. Its body has this number of values.
+    /// Counts a message of a type. `num_values` is the number of values in its body.
     fn count_type(
         &mut self,
         record: &SessionRecord<'_>,
@@ -393,7 +394,7 @@ impl<'d> FlockwaveChecker<'d> {
             types.push(counts.messages.clone());
         }
         let mut result = self.run.finish(bytes, Summary::Flockwave(self.source), Unit::Type, parts);
-        // Envelope rules also check messages without a type.
+        // Envelope rules also check messages that have no type.
         result.coverage.records.checked = result.checked;
         result
     }
@@ -429,8 +430,8 @@ fn connection(index: usize, name: &str) -> Connection<'_> {
     Connection { index, name, is_ordered, is_lossy }
 }
 
-/// True if a connection with this name delivers messages in order. A name that starts with `udp` denotes UDP. A name
-/// that starts with `http` denotes many connections, one for each request.
+/// True if the connection with this name delivers messages in order. A name that starts with `udp` denotes UDP, which
+/// doesn't. A name that starts with `http` denotes many connections, one for each request.
 fn is_ordered(name: &str) -> bool {
     !begins(name, "udp") && !begins(name, "http")
 }
@@ -439,7 +440,8 @@ fn begins(name: &str, with: &str) -> bool {
     name.get(..with.len()).is_some_and(|start| start.eq_ignore_ascii_case(with))
 }
 
-/// True if a bare message is a request. If a type has both requests and notifications, the fields decide.
+/// True if a bare message is a request. If a type has both requests and notifications, the fields of the message
+/// decide.
 fn is_request(message: &Tree<'_>, definitions: &Definitions) -> bool {
     let Some(body) = message.get("body") else { return false };
     let Some(name) = body.get("type").and_then(Tree::as_str) else { return false };

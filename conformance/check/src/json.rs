@@ -56,13 +56,13 @@ fn is_binary(start: &[u8]) -> bool {
 /// The number of bytes that show whether a file is text.
 const MAX_START: usize = 16;
 
-/// True if the first character starts an object or an array.
+/// True if the first character starts a JSON object or array.
 pub(super) fn starts_like_json(start: &[u8]) -> bool {
     let text = String::from_utf8_lossy(start);
     text.trim_start_matches('\u{feff}').trim_start().starts_with(['{', '['])
 }
 
-/// True if a value starts like an object. The first byte may be corrupt.
+/// True if a value starts like a JSON object. The first byte may be corrupt.
 pub(crate) fn starts_like_object(bytes: &[u8]) -> bool {
     bytes.iter().take(2).any(|byte| *byte == b'{')
 }
@@ -241,7 +241,7 @@ impl<'d> JsonChecker<'d> {
         }
     }
 
-    /// Handles a value that needs the slow path.
+    /// Checks a value on the slow path, which creates the findings.
     fn explain(&mut self, text: &str, line: u64, is_last: bool) {
         let location = Location::Line(line);
         let tree = match Tree::read(text) {
@@ -279,7 +279,7 @@ impl<'d> JsonChecker<'d> {
                 self.advertised.get(name).copied().unwrap_or_else(guessed)
             }
         };
-        // An empty message doesn't indicate the type of its topic. A later message decides.
+        // An empty message doesn't indicate the type of its topic. A later message will.
         let is_decided = which == NameKind::Type || definition.is_some() || shows_type(message);
         if !is_decided && let Some(at) = self.channels.get(which, name) {
             return self.undefined(at);
@@ -308,8 +308,8 @@ impl<'d> JsonChecker<'d> {
         names == members.iter().map(|(key, _)| &**key).collect()
     }
 
-    /// True if the observer needs the values of a channel's messages, and their size varies. Only trees contain such
-    /// values.
+    /// True if the observer needs the values of a channel's messages, and their size varies. Only trees can represent
+    /// such values.
     fn needs_tree(&self, at: usize) -> bool {
         let open = &self.channels.open[at];
         open.num_bytes == 0 && open.defined.is_some_and(|(_, index)| self.run.observes_values(index))

@@ -74,10 +74,11 @@ use self::run::{CheckRun, Logged, microseconds};
 pub use self::summary::{Describe, Line, List, MAX_LISTED, Totals, names};
 pub use self::topic::{confirms, definition_of, definition_of_json, is_guess, shows_type, topic_of};
 
-/// The number of bytes used to detect the kind of a capture. They also identify files that aren't captures.
+/// The number of bytes at the start of a capture that are used to detect its kind. They also identify files that aren't
+/// captures.
 const START: usize = foreign::START;
 
-/// The number of bytes that a message about an unknown file shows.
+/// The number of bytes that the error message for an unknown file shows.
 const SHOWN: usize = 8;
 
 /// The minimum number of magic bytes that identify a capture truncated within its magic.
@@ -89,7 +90,7 @@ struct Kind {
     name: &'static str,
     /// True if a capture of this kind can start with these bytes.
     detect: fn(&[u8]) -> bool,
-    /// Finds the facts that indicate the release of a capture. Reads as much of the capture as necessary.
+    /// Collects the facts that indicate the release of a capture. Reads only as much of the capture as necessary.
     clues: fn(&mut Source<'_>) -> Clues,
     /// Checks the readable part of a capture of this kind.
     check: fn(Source<'_>, Option<MessageId>, CheckRun<'_>) -> CaptureResult,
@@ -98,9 +99,9 @@ struct Kind {
 /// The bytes of a capture.
 struct Source<'s> {
     bytes: &'s mut dyn Read,
-    /// The file that consists of these bytes, if there is one. Some formats aren't read from start to end.
+    /// The file that contains these bytes, if there is one. Some formats aren't read from start to end.
     file: Option<&'s Path>,
-    /// The copy of the file, if there is one. Its name can be removed while it is open.
+    /// The temporary copy of the file, if there is one. Its name can be removed while it is open.
     copy: Option<&'s bag::CopiedFile>,
 }
 
@@ -125,7 +126,7 @@ pub fn choose_for_path(path: &Path, library: &Library) -> io::Result<Arc<Definit
     Ok(opened.map_or_else(|_| Arc::clone(library.base()), |opened| opened.definitions))
 }
 
-/// Wraps an input before it is read, for example to show the progress.
+/// Wraps an input before it is read, for example to show progress.
 pub(crate) type Reading<'r> = &'r dyn Fn(Box<dyn Read + Send>) -> Box<dyn Read + Send>;
 
 /// All kinds of captures, in the order of detection.
@@ -204,7 +205,7 @@ pub struct CaptureResult {
     /// The time from the first to the last timestamp, in µs. In a PX4 log, timestamps before the start of logging don't
     /// count.
     pub duration: u64,
-    /// The last of these timestamps; 0 if there are none.
+    /// The last timestamp that counts for the duration; 0 if there is none.
     pub end: u64,
     /// The number of messages.
     pub records: u64,
@@ -221,9 +222,9 @@ pub struct CaptureResult {
     pub cut_short: Vec<String>,
     /// The extent to which the capture could be read.
     pub extent: Extent,
-    /// The clock of the times in the findings.
+    /// The clock that the times in the findings refer to.
     pub clock: Clock,
-    /// The topics or types, and the extent to which they were checked.
+    /// The topics or types, with the extent to which each was checked.
     pub coverage: Coverage,
     /// The event metadata that explains the events, if there are any.
     pub event_metadata: Option<String>,
@@ -349,7 +350,8 @@ fn check_path_with(
     Ok(checked)
 }
 
-/// Checks a copy of a `SQLite` file, since a stream doesn't indicate its release.
+/// Checks a copy of a `SQLite` file. The copy is needed to find the release, because a stream can't be read in any
+/// order.
 fn check_copy(
     bytes: &mut dyn Read,
     library: &Library,
@@ -374,7 +376,7 @@ fn check_copy(
     Ok(checked)
 }
 
-/// Checks the bytes of a capture. `file` consists of these bytes.
+/// Checks the bytes of a capture. `file` is the file that contains these bytes.
 fn check_stream(
     input: Box<dyn Read + Send>,
     file: Option<&Path>,
@@ -435,7 +437,7 @@ fn choose(
     (library.choose(&clues), ahead.bytes)
 }
 
-/// Checks the readable part of a capture with `check`, which receives the kind and the whole capture.
+/// Checks the readable part of a capture. Detects the kind, and calls `check` with the kind and the whole capture.
 fn check_source(
     mut input: Source<'_>,
     message_id: Option<MessageId>,
@@ -451,7 +453,7 @@ fn check_source(
     let bytes = &mut io::Cursor::new(&start).chain(input.bytes);
     let source = Source { bytes, file: input.file, copy: input.copy };
     let result = check(kind, source);
-    // Other text looks like corrupt JSON until the end.
+    // Other text looks like corrupt JSON up to its end.
     let is_text = matches!(&result.summary, Summary::Json(summary) if !summary.has_objects)
         && !json::starts_like_json(&start);
     Ok(if is_text && message_id.is_none() { CaptureResult::unknown(unknown_type(&start)) } else { result })
@@ -483,7 +485,7 @@ fn unknown_type(start: &[u8]) -> String {
     format!("unknown file type: expected {} or {last}, found {found}", names.join(", "))
 }
 
-/// True if a capture starts with the magic, or ends within the magic after at least [`MIN_MAGIC`] bytes.
+/// True if a capture starts with the magic, or was truncated within the magic after at least [`MIN_MAGIC`] bytes.
 fn has_magic(start: &[u8], magic: &[u8]) -> bool {
     start.starts_with(magic) || start.len() >= MIN_MAGIC && magic.starts_with(start)
 }

@@ -1,9 +1,10 @@
-//! The limits on what this crate reads and stores. They bound the time and the memory that hostile input takes.
+//! The limits on the amount of data that this crate reads and stores. They bound the time and the memory that hostile
+//! input can use.
 
 // Bags.
 
-/// The maximum number of fields in the types of all channels, with the fields of each nested message. A thousand PX4
-/// topics have a quarter of this number.
+/// The maximum number of fields in the types of all channels, including the fields of each nested message. A thousand
+/// PX4 topics have a quarter of this number.
 pub(crate) const MAX_BAG_FIELDS: usize = 1 << 18;
 
 /// The maximum number of channels in a bag.
@@ -42,13 +43,13 @@ pub(crate) const MAX_FILES: usize = 16;
 
 // Logs.
 
-/// The maximum number of fields in the formats whose values are checked, with the fields of each nested message. Real logs
-/// have a few thousand. Without a limit, nested arrays could multiply the fields indefinitely.
+/// The maximum number of fields in the formats whose values are checked, including the fields of each nested message.
+/// Real logs have a few thousand. Without a limit, nested arrays could multiply the fields indefinitely.
 pub(crate) const MAX_LOG_FIELDS: usize = 1 << 16;
 
 // JSON messages.
 
-/// The maximum number of topics and types. Hostile input may contain any number of both.
+/// The maximum number of topics and types. Hostile input may contain arbitrarily many.
 pub(crate) const MAX_CHANNELS: usize = 10_000;
 
 /// The maximum number of bytes that are read to find the release.
@@ -59,13 +60,13 @@ pub(crate) const MAX_CLUE_TEXT: usize = 4 << 20;
 
 // Flockwave sessions.
 
-/// The maximum number of connections. Hostile input may contain any number.
+/// The maximum number of connections. Hostile input may contain arbitrarily many.
 pub(crate) const MAX_CONNECTIONS: usize = 10_000;
 
 /// The maximum length of a connection name, in bytes.
 pub(crate) const MAX_CONNECTION_NAME: usize = 128;
 
-/// The maximum number of unknown types that are counted by name. Hostile input may contain any number of types.
+/// The maximum number of unknown types that are counted by name. Hostile input may contain arbitrarily many.
 pub(crate) const MAX_UNKNOWN_TYPES: usize = 1_000;
 
 /// The maximum length of an unknown type's name, in bytes.
@@ -77,8 +78,8 @@ pub(crate) const MAX_PIECES: usize = 1_000;
 /// The maximum number of messages that are read from one line.
 pub(crate) const MAX_MESSAGES: usize = 10_000;
 
-/// The maximum number of versions, and also of kinds of states, in status reports. Hostile input may contain any number of
-/// both.
+/// The maximum number of versions in status reports, and also of kinds of states. Hostile input may contain arbitrarily
+/// many of both.
 pub(crate) const MAX_KNOWN: usize = 256;
 
 /// The maximum length, in bytes, of stored versions and stored lists of error codes.
@@ -86,7 +87,7 @@ pub(crate) const MAX_KNOWN_TEXT: usize = 256;
 
 // Results.
 
-/// The maximum number of topics or types that are listed by name. Hostile input may contain any number.
+/// The maximum number of topics or types that are listed by name. Hostile input may contain arbitrarily many.
 pub(crate) const MAX_PARTS: usize = 10_000;
 
 /// The maximum number of distinct corrupt parts to report.
@@ -106,7 +107,7 @@ pub const MAX_CHANGES: usize = 500;
 /// The maximum number of changes that all lanes contain. Further changes are only counted.
 pub const MAX_ALL_CHANGES: usize = 10_000;
 
-/// The maximum number of distinct values in a lane, without the value that represents all others.
+/// The maximum number of distinct values in a lane, not counting the value that represents all others.
 pub(crate) const MAX_VALUES: usize = 500;
 
 /// The maximum length of the name of a lane, in characters.
@@ -129,8 +130,9 @@ pub(crate) const MAX_CODES: usize = 256;
 
 // Conversions.
 
-/// The maximum total size of the schemas and channels in a file, in bytes. The size includes the names of attachments
-/// and metadata records, which the index of the output contains. The limit also applies to the schemas in the output.
+/// The maximum total size of the schemas and channels in a file, in bytes. This includes the names of attachments and
+/// metadata records, because the index of the output contains them. The limit also applies to the schemas in the
+/// output.
 pub(crate) const MAX_CONVERTED_SCHEMAS: usize = 64 << 20;
 
 /// The maximum size of an attachment that is kept in memory, in bytes. A larger attachment is stored in a temporary
@@ -145,8 +147,8 @@ pub(crate) const MAX_WAITING: usize = 16 << 20;
 /// topics.
 pub(crate) const MAX_LOG_TOPICS: usize = 10_000;
 
-/// The maximum number of flights of a capture, and of the takeoffs and landings of a flight.
+/// The maximum number of flights in a capture, and the maximum number of takeoffs and of landings in a flight.
 pub(crate) const MAX_FLIGHTS: usize = 100;
 
-/// The maximum number of times at which a vehicle can't arm in a mode.
+/// The maximum number of refusals: periods in which a vehicle can't arm in a mode.
 pub(crate) const MAX_REFUSALS: usize = 1_000;

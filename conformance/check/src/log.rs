@@ -31,7 +31,7 @@ pub(super) const KIND: Kind = Kind {
     name: "ULog",
     detect: |start| has_magic(start, &ULOG_MAGIC),
     clues: |source| match source.file.and_then(|path| File::open(path).ok()) {
-        // Bytes that aren't read needn't be kept for the check.
+        // Bytes that aren't read don't have to be kept for the check.
         Some(file) => clues(file),
         None => clues(&mut *source.bytes),
     },
@@ -178,7 +178,7 @@ fn check_log(input: impl Read, run: CheckRun<'_>) -> CaptureResult {
             Some((id, Some(subscription))) => {
                 checker.open(id, &subscription.topic, subscription.multi_id, item.offset);
             }
-            // There was no room for the subscription.
+            // The subscription wasn't stored, because there was no room.
             Some((id, None)) => checker.drop_topic(id),
             None => {}
         }
@@ -221,7 +221,7 @@ impl Metadata {
         }
     }
 
-    /// All pieces. Fails if they can't be trusted.
+    /// The event metadata in all pieces. Fails if the pieces can't be trusted.
     fn checked(&self) -> Result<&[u8], String> {
         if self.bytes.len() > MAX_EVENTS_LEN {
             return Err(format!("it is longer than {} bytes", thousands(MAX_EVENTS_LEN)));
@@ -245,11 +245,11 @@ impl Metadata {
 struct FormatPlan {
     /// The checks of the values. `None` if there are too many fields.
     values: Option<Plan>,
-    /// The number of checked fields, which the format and the definition share.
+    /// The share of the fields that are checked: those that the format and the definition share.
     fields: Share,
     /// The offset of `timestamp` in the payload.
     timestamp: Option<usize>,
-    /// The offset of `time_utc_usec` in the payload, the time of a satellite navigation receiver.
+    /// The offset of `time_utc_usec` in the payload. This field contains the time of a satellite navigation receiver.
     utc: Option<usize>,
 }
 
@@ -276,7 +276,7 @@ struct Open {
     /// Set when the first message arrives.
     plan: Option<Rc<FormatPlan>>,
     tally: Tally,
-    /// The number of records whose values have no meaning.
+    /// The number of records whose values have no meaning, because the topic was never published.
     unpublished: u64,
 }
 
@@ -286,7 +286,7 @@ struct LogChecker<'d> {
     open: Vec<Option<Box<Open>>>,
     /// The plans of the topics with data, which all instances of a topic share.
     plans: BTreeMap<String, Rc<FormatPlan>>,
-    /// The number of fields for which there is still room in the plans.
+    /// The number of additional fields for which there is room in the plans.
     room: usize,
     /// The topics with data, each with the offset of its subscription and the comparison of its format. A log may
     /// declare a format again after its data, so the result applies to the format that was valid when the data was
@@ -294,15 +294,15 @@ struct LogChecker<'d> {
     compared: BTreeMap<String, (u64, Comparison)>,
     /// The topics whose subscription has ended.
     parts: Parts,
-    /// The topics with instances other than the first.
+    /// The topics that have instances other than the first.
     several: BTreeSet<String>,
     firmware: Option<String>,
     dropouts: u64,
     /// The log's event metadata. `None` after the definitions.
     metadata: Option<Metadata>,
-    /// The location of the previous item, if it is a record.
+    /// The location of the previous item, if the item is a record.
     latest: Option<Location>,
-    /// True if the item is a corrupt part.
+    /// True if the current item is a corrupt part.
     is_gap: bool,
     /// True if the previous item is a corrupt part.
     is_behind_gap: bool,
@@ -332,7 +332,7 @@ impl<'d> LogChecker<'d> {
         let is_gap = matches!(&item.event, Event::Problem(problem) if problem.extent() != Extent::Whole);
         self.is_behind_gap = std::mem::replace(&mut self.is_gap, is_gap);
         if let Some(record) = self.latest.take().filter(|_| is_gap) {
-            // The corrupt part may begin within the record before it.
+            // The corrupt part may begin within the previous record.
             self.run.findings.retract(record);
         }
         match &item.event {
@@ -363,7 +363,7 @@ impl<'d> LogChecker<'d> {
                 self.dropouts += 1;
                 self.run.dropout(*milliseconds, location);
             }
-            // The message may have been data of any topic.
+            // The message may have contained data of any topic.
             Event::Unknown { .. } => self.run.lost_any(location),
             // Version 0 of the log format has no flag bits.
             Event::Problem(Problem::NoFlagBits { version: 0 }) => {}
@@ -406,7 +406,7 @@ impl<'d> LogChecker<'d> {
     }
 
     fn open(&mut self, id: u16, topic: &str, multi_id: u8, offset: u64) {
-        // Repeated subscriptions reuse the slot, so that memory stays bounded.
+        // Repeated subscriptions reuse the slot, so memory stays bounded.
         let slot = usize::from(id);
         if slot >= self.open.len() {
             self.open.resize_with(slot + 1, || None);
@@ -488,9 +488,8 @@ impl<'d> LogChecker<'d> {
         self.run.message(&open.channel(), &message, values);
     }
 
-    /// Reports a problem with a format, a subscription or a size. A problem that a rule covers is a violation of that
-    /// rule. If part of the log is missing, that part may have contained the format or subscription, so the problem
-    /// doesn't count as a violation.
+    /// Reports a problem with a format, a subscription or a size. If a rule covers the problem, it is a violation of
+    /// that rule, unless part of the log is missing. The missing part may have contained the format or subscription.
     fn report_problem(&mut self, offset: u64, problem: &LogProblem) {
         let location = Location::Byte(offset);
         self.latest = Some(location);
@@ -537,8 +536,7 @@ impl<'d> LogChecker<'d> {
         }
     }
 
-    /// Reports data that violates a rule and can't be read. If the topic is unknown, the data may belong to any
-    /// topic.
+    /// Handles data that violates a rule and can't be read. If the topic is unknown, the data may belong to any topic.
     fn drop_data(&mut self, id: u16, rule: &'static Rule, detail: Detail, location: Location) {
         let Some(open) = known(&self.open, id) else {
             self.run.findings.report(rule, &format!("id {id}"), location, None, || detail);
@@ -644,7 +642,7 @@ fn comparison(format: MessageType<'_>, definitions: &Definitions) -> Comparison 
 }
 
 /// Reports the formats that differ from the definitions, and returns all comparisons. `compared` contains the topics
-/// with data. The formats of the other subscribed topics are compared and checked for a timestamp here.
+/// with data. The formats of the other subscribed topics are compared here, and checked for a timestamp.
 fn formats(
     log: &Log,
     mut compared: BTreeMap<String, (u64, Comparison)>,

@@ -13,7 +13,7 @@ pub trait Observer {
     /// Handles a new channel, and returns the observer's interest in it.
     fn opened(&mut self, channel: &Channel<'_>, definitions: &Definitions) -> Interest;
 
-    /// Handles a channel whose release is unknown. Its messages aren't passed on.
+    /// Handles a channel whose release is unknown. The observer doesn't receive its messages.
     fn undecided(&mut self, _channel: &Channel<'_>, _definitions: &Definitions) {}
 
     /// Receives the event metadata, before the messages that it applies to.

@@ -19,7 +19,7 @@ pub struct Opened<'b> {
     pub definitions: Arc<Definitions>,
     /// All bytes, decompressed.
     pub bytes: Box<dyn Read + Send + 'b>,
-    /// The state of the file before it was opened, if the capture is a file.
+    /// The state of the file before the file was opened, if the capture is a file.
     pub state: Option<FileState>,
 }
 

@@ -10,7 +10,7 @@ use std::thread;
 const MAX_EARLY: usize = 64;
 
 /// Runs `work` for each of `items` in parallel. Passes the results to `take` in item order, each as early as possible.
-/// If an item takes long, the results of only a limited number of later items are kept.
+/// If an item takes long, only a limited number of later results are kept.
 ///
 /// `jobs` is the number of threads; the default is the number of processors.
 pub fn each<T: Sync, R: Send>(
@@ -32,7 +32,7 @@ pub fn each<T: Sync, R: Send>(
     let run = |sender: mpsc::Sender<_>| {
         while let Ok(at) = next(&started) {
             let result = catch_unwind(AssertUnwindSafe(|| work(&items[at])));
-            // After a panic, nobody takes the results.
+            // After a panic, the results have no receiver.
             let _ = sender.send((at, result));
         }
     };

@@ -35,7 +35,8 @@ impl ReleaseMatch {
         self.others.iter().find(|other| other.topic == topic).map(|other| other.release.as_str())
     }
 
-    /// The reason why the capture is probably from another release: most topics match no known release.
+    /// The reason to assume that the capture is from another release: most topics match no known release. `None` if
+    /// there is no such reason.
     pub fn problem(&self) -> Option<String> {
         let Self { title, matching, topics, others, .. } = self;
         let known = matching + others.len() as u64;
@@ -115,7 +116,7 @@ pub(super) fn release_line(found: &ReleaseMatch) -> Line {
     Line::new("release", text).list("other", others)
 }
 
-/// A reader that keeps the bytes that it reads. It ends at a limit or at an error.
+/// A reader that keeps the bytes that it has read. It ends at a limit or at an error.
 pub(super) struct Ahead<'r> {
     input: UpToError<io::Take<&'r mut dyn Read>>,
     pub(super) bytes: Vec<u8>,

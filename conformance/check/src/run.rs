@@ -1,4 +1,4 @@
-//! The part of a check that all kinds of captures share.
+//! The state of a check that all kinds of captures share.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -23,7 +23,7 @@ use super::timeline::{REPLY, contains_events, topic_name};
 use super::{CaptureResult, Clock, Observer, Summary, Unit};
 use crate::limits::{MAX_CORRUPT_PARTS, MAX_NOTES};
 
-/// The part of a check that all kinds of captures share: channels, sessions, and the rules that span several messages.
+/// The state of a check that all kinds of captures share: channels, sessions, and the rules that span several messages.
 pub(super) struct CheckRun<'d> {
     pub(super) definitions: &'d Definitions,
     pub(super) findings: Findings,
@@ -49,7 +49,7 @@ pub(super) struct CheckRun<'d> {
     cut_short: Vec<String>,
     pub(super) extent: Extent,
     pub(super) clock: Clock,
-    /// The time of the current record in µs, if it isn't the timestamp of the message.
+    /// The time of the current record in µs, if it differs from the timestamp of the message.
     record_time: Option<u64>,
     /// The log time and the sequence number of the current record, if it is in a bag.
     pub(super) logged: Option<Logged>,
@@ -59,7 +59,7 @@ pub(super) struct CheckRun<'d> {
     has_events: bool,
 }
 
-/// The facts in a bag about a message.
+/// The log time and the sequence number of a message in a bag.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Logged {
     /// The time at which the message was recorded, in ns.
@@ -89,9 +89,9 @@ struct Subscribers {
     followers: Vec<usize>,
     /// The highest [`Interest`] among these followers and the observer.
     interest: Interest,
-    /// The interest of the observer.
+    /// The interest of the observer in the channel.
     observed: Interest,
-    /// The topic of the timeline that the channel carries.
+    /// The timeline topic that the channel carries.
     topic: Option<&'static str>,
 }
 
@@ -159,8 +159,7 @@ impl<'d> CheckRun<'d> {
         self.channels.len() - 1
     }
 
-    /// Uses the event metadata of the capture, unless there is a reason not to. Returns the problem with the metadata,
-    /// if any.
+    /// Uses the event metadata of the capture, if it is valid. Returns the problem with the metadata, if any.
     pub(super) fn read_metadata(&mut self, bytes: Result<&[u8], String>) -> Option<String> {
         let read =
             bytes.and_then(|bytes| self.definitions.read_events(bytes).map_err(|error| error.to_string()));
@@ -214,7 +213,7 @@ impl<'d> CheckRun<'d> {
         self.followers.iter_mut().for_each(|follower| follower.checker.closed(channel));
     }
 
-    /// Passes the capture's start time, in µs since boot, to the rules.
+    /// Passes the start time of the capture, in µs since boot, to the rules.
     pub(super) fn started(&mut self, time: u64) {
         self.clock.start(time);
         self.start = Some(time);
@@ -231,8 +230,8 @@ impl<'d> CheckRun<'d> {
         self.channels[channel].observed == Interest::Values
     }
 
-    /// Passes a message to the rules of its channel. The message's values have already been checked. The observer can
-    /// receive values that the rules don't: rules receive no values of messages whose size varies, of JSON messages
+    /// Passes a message to the rules of its channel. The message's values have already been checked. `observed` are
+    /// values that only the observer receives: rules receive no values of messages whose size varies, of JSON messages
     /// with findings, or of topics that were never published.
     pub(super) fn message(
         &mut self,
@@ -263,7 +262,7 @@ impl<'d> CheckRun<'d> {
         self.place(message.location, message.timestamp);
     }
 
-    /// Adds the time to the findings in a message. `timestamp` is the timestamp of the message in µs.
+    /// Adds the location and the time to the findings in a message. `timestamp` is the timestamp of the message in µs.
     fn place(&mut self, location: Location, timestamp: Option<u64>) {
         let time = self.record_time.or(timestamp);
         let logged = self.logged;
@@ -274,8 +273,8 @@ impl<'d> CheckRun<'d> {
         });
     }
 
-    /// Sets the time of the current record, in µs since 1970, and extends the time span to include it. The timestamps of
-    /// messages don't count then, because they may have another clock.
+    /// Sets the time of the current record, in µs since 1970, and extends the time span to include it. The timestamps
+    /// of messages then don't count, because they may refer to another clock.
     pub(super) fn record_at(&mut self, time: u64) {
         self.record_time = Some(time);
         self.include_timestamp(Some(time));
@@ -283,8 +282,8 @@ impl<'d> CheckRun<'d> {
         self.clock.set_utc(time, time);
     }
 
-    /// A timestamp in µs, if it is known and isn't older than the log. The first message of a topic may be older: its
-    /// publisher sent it before logging began.
+    /// Returns a timestamp in µs, if it is known and isn't older than the log. The first message of a topic may be
+    /// older, because its publisher may have sent it before logging began.
     pub(super) fn logged(&self, timestamp: Option<u64>) -> Option<u64> {
         timestamp.filter(|timestamp| *timestamp > 0 && self.start.is_none_or(|start| *timestamp >= start))
     }
@@ -382,7 +381,7 @@ impl<'d> CheckRun<'d> {
         self.followers.iter_mut().for_each(|follower| follower.checker.endpoint_ended(id));
     }
 
-    /// Passes a type in an application to the rules.
+    /// Passes a type that an application uses to the rules.
     pub(super) fn application(&mut self, ty: &ApplicationType) {
         self.followers.iter_mut().for_each(|follower| follower.checker.application(ty));
     }
@@ -391,7 +390,7 @@ impl<'d> CheckRun<'d> {
         self.followers.iter_mut().for_each(|follower| follower.checker.dropout(milliseconds, location));
     }
 
-    /// Handles an unreadable message on a channel. Stateful rules may depend on the message.
+    /// Handles an unreadable message on a channel. Notifies stateful rules, which may depend on the message.
     pub(super) fn lost(&mut self, channel: usize, location: Location) {
         self.place(location, None);
         for at in &self.channels[channel].followers {
@@ -487,7 +486,7 @@ impl<'d> CheckRun<'d> {
     }
 }
 
-/// Adds a text, unless it is known or there are too many.
+/// Adds a text, unless it is already in the list or the list is full.
 fn add(texts: &mut Vec<String>, text: &str) {
     let text = shown(text);
     if texts.len() < MAX_NOTES && !texts.contains(&text) {

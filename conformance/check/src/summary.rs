@@ -40,7 +40,7 @@ pub struct Line {
     pub label: &'static str,
     /// The content in brief.
     pub text: String,
-    /// The lists of the line.
+    /// The full content, for reports with enough space; empty if `text` is already complete.
     pub lists: Vec<List>,
     /// The full content, for reports with enough space; empty if `text` is complete.
     pub details: Vec<String>,
@@ -91,7 +91,7 @@ impl Line {
     }
 }
 
-/// The names at the start of a list, and the number of remaining names.
+/// The first names, and the number of the remaining names.
 pub fn names<'n>(names: impl ExactSizeIterator<Item = &'n str>) -> String {
     let more = names.len().saturating_sub(MAX_LISTED);
     let first: Vec<String> = names.take(MAX_LISTED).map(shown).collect();

@@ -138,7 +138,7 @@ impl Timeline {
         Ok((checked, timeline))
     }
 
-    /// Checks a capture. With texts, also reads its timeline, if anything can be read.
+    /// Checks a capture. If `texts` are passed, also creates its timeline, if anything in the capture can be read.
     pub fn check_with(
         texts: Option<&Texts>,
         input: &Input,
@@ -161,12 +161,12 @@ impl Timeline {
         follower.finish("capture".to_owned(), &result, definitions)
     }
 
-    /// The time in UTC of a time since the start.
+    /// Converts a time since the start to UTC, as text. `None` if the time of the start is unknown.
     pub fn utc(&self, time_us: i64) -> Option<String> {
         self.clock.utc(self.start.checked_add_signed(time_us)?)
     }
 
-    /// The time in UTC of a time since the start, in µs since 1970.
+    /// Converts a time since the start to UTC, in µs since 1970. `None` if the time of the start is unknown.
     pub fn utc_micros(&self, time_us: i64) -> Option<u64> {
         self.clock.utc_micros(self.start.checked_add_signed(time_us)?)
     }
@@ -317,7 +317,8 @@ impl<'t> Follower<'t> {
     }
 }
 
-/// True if a name in a capture denotes a topic: `/fmu/out/vehicle_status_v1`, or the type `px4/VehicleStatus`.
+/// True if a name in a capture denotes a topic. Examples of names: `/fmu/out/vehicle_status_v1`, or the type
+/// `px4/VehicleStatus`.
 fn is_same_topic(name: &str, topic: &str) -> bool {
     let last = name.rsplit('/').next().unwrap_or(name);
     let is_version = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());

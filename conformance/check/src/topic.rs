@@ -27,7 +27,7 @@ pub fn topic_of(topic: &str) -> &str {
 ///
 /// For ROS 2, only the schema name counts: a type from another package is a different type, even if the topic's name is
 /// defined. The package name may differ only in PX4's folders, such as `/fmu/out/`. For other encodings, schema names
-/// are arbitrary. If the schema name matches no definition, the topic name decides. It may be misleading: see
+/// are arbitrary. If the schema name matches no definition, the topic name decides, although it may be misleading: see
 /// `is_guess`.
 pub fn definition_of(
     topic: &str,
@@ -49,7 +49,8 @@ pub fn definition_of(
     message_of(last, definitions).or_else(by_topic)
 }
 
-/// Finds the definition of a topic, as `definition_of`, and compares it with a JSON message if it is only a guess.
+/// Finds the definition of a topic, like `definition_of`. If the definition is only a guess, a JSON message must
+/// confirm it.
 pub fn definition_of_json(
     topic: &str,
     schema: Option<(&str, &str)>,
@@ -60,7 +61,7 @@ pub fn definition_of_json(
         .filter(|id| !is_guess(topic, schema, *id, definitions) || resembles(message, *id, definitions))
 }
 
-/// True if only the name of a topic or schema indicates its definition, and another type may have this name.
+/// True if only the name of a topic or schema indicates its definition, and another type may have the same name.
 ///
 /// Outside of PX4's folders, other programs also use names such as `battery_status`. Definitions that the user passes
 /// belong to the capture, so their names aren't ambiguous.
@@ -69,8 +70,8 @@ pub fn is_guess(topic: &str, schema: Option<(&str, &str)>, id: MessageId, defini
     !states_type && !is_exchanged(topic) && !definitions.is_given
 }
 
-/// True if a JSON message clearly has a type: it has a timestamp, and it shares most of its keys and most of the type's
-/// fields.
+/// True if a JSON message clearly has a type: it has a timestamp, most of its keys are fields of the type, and most
+/// fields of the type are among its keys.
 fn resembles(message: &Tree<'_>, id: MessageId, definitions: &Definitions) -> bool {
     let Tree::Object(members) = message else { return false };
     let keys: BTreeSet<&str> = members.iter().map(|(key, _)| &**key).collect();
@@ -104,7 +105,7 @@ pub(super) fn plain(name: &str) -> String {
     }
 }
 
-/// The full ROS name of a type: `package/msg/Name`. For an event of a service, the name of the service.
+/// The full ROS name of a type: `package/msg/Name`. For a service event, the name of the service.
 pub(super) fn full_name(name: &str) -> String {
     let name = plain(name);
     match name.split_once('/') {
@@ -113,7 +114,7 @@ pub(super) fn full_name(name: &str) -> String {
     }
 }
 
-/// The service of an event.
+/// The name of the service, if the type is a service event.
 pub(super) fn service_of(name: &str) -> Option<&str> {
     name.strip_suffix("_Event").filter(|service| service.contains("/srv/"))
 }

@@ -17,13 +17,13 @@ fn definitions(release: &str) -> Arc<Definitions> {
     Arc::clone(Library::release(release).expect("a release").base())
 }
 
-/// The vehicle status of an application.
+/// The vehicle status that an application uses.
 fn status(definitions: &Definitions) -> ApplicationType {
     let id = definitions.message_of_topic("vehicle_status").expect("a topic");
     ApplicationType::new(&definitions.schema, definitions.schema.message(id))
 }
 
-/// A flight of 1.18 whose vehicle reports its hash of the vehicle status.
+/// A flight with PX4 1.18, in which the vehicle reports its hash of the vehicle status.
 fn bag(application: ApplicationType) -> Bag {
     let mut flight = Flight::new(&DEFINITIONS);
     // Two rounds are sufficient.
@@ -45,7 +45,7 @@ fn rename(bag: &mut Bag, name: &str) {
     }
 }
 
-/// The findings: subject and message.
+/// The subject and the message of each finding.
 fn found(bag: &Bag) -> Vec<(String, String)> {
     let result = check_capture(&bag.to_bytes()[..], None, &DEFINITIONS).expect("a result");
     let rule = rule("PX-HASH-02").expect("a rule");
@@ -80,7 +80,10 @@ fn another_definition_is_found_with_its_release_and_its_effect() {
 fn unknown_definitions_are_named() {
     let own = ApplicationType { hash: 7, fields: "uint64 timestamp\n".to_owned(), ..status(&DEFINITIONS) };
     let found = found(&bag(own));
-    assert!(found[0].1.contains("the application uses a definition of no known release, but"), "{found:?}");
+    assert!(
+        found[0].1.contains("the application uses a definition that matches no known release, but"),
+        "{found:?}"
+    );
 }
 
 #[test]

@@ -56,7 +56,7 @@ fn deviations(type_name: &str, direction: Direction, body: &Value) -> Vec<Deviat
     DEFINITIONS.body_schemas().deviations(type_name, direction, &tree).expect("a shape")
 }
 
-/// The generated schemas and test vectors are independent of the body check.
+/// The vectors and the body check must agree: the generated schemas and test vectors are independent of the body check.
 #[test]
 fn agrees_with_the_vectors_on_valid_bodies() {
     assert!(VECTORS.len() > 2_000, "{}", VECTORS.len());
@@ -86,7 +86,7 @@ fn places(value: &Value, at: &str, places: &mut Vec<String>) {
     }
 }
 
-/// Bodies with one small change each.
+/// Copies of a body, each with one small change.
 fn changed(body: &Value) -> Vec<Value> {
     let mut found = Vec::new();
     let mut all = Vec::new();
@@ -130,7 +130,7 @@ fn found(direction: Direction, body: &Value) -> BTreeMap<&'static str, BTreeSet<
 #[test]
 fn reports_each_deviation_once() {
     let (mut own, mut rest, mut number) = (0, 0, 0_usize);
-    // Even the larger step of quick mode covers each kind of change.
+    // Even the larger step of quick mode includes each kind of change.
     let step = extent(1, 37);
     let typical = VECTORS.iter().filter(|vector| vector.description.starts_with("typical"));
     for Vector { type_name, direction, body, .. } in typical {
@@ -231,7 +231,7 @@ fn reports_deviations_with_location_and_expected_value() {
     );
 }
 
-/// Findings are grouped by field, and refer to the definition of the field.
+/// Findings are grouped by field, and refer to the definition of that field.
 #[test]
 fn findings_refer_to_the_definition() {
     let line = |weather: Value| {
@@ -261,7 +261,7 @@ fn findings_refer_to_the_definition() {
         groups(&DEFINITIONS),
         expected.map(|(subject, count, line)| (subject.to_owned(), count, Some(line.to_owned())))
     );
-    // Definitions without these messages contain no such pages, so the findings have no line.
+    // The definitions don't include the pages of these messages, so the findings have no line.
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("Glider.msg"), "uint64 timestamp # [us] Time\n").expect("a file");
     let other = Definitions::load(folder.path()).expect("definitions");

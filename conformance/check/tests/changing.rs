@@ -10,7 +10,7 @@ use uavspec_report::{CheckedCapture, OutcomeKind, Settings, Subject};
 use uavspec_rules::definitions::{Definitions, Library};
 use uavspec_rules::sample::Flight;
 
-/// Checks a file whose content another program replaces directly after it was opened.
+/// Checks a file that another program overwrites directly after it was opened.
 fn checked(name: &str, before: &[u8], after: &[u8], library: &Library) -> CaptureResult {
     let folder = TempDir::new().expect("a folder");
     let path = folder.path().join(name);
@@ -36,7 +36,7 @@ fn a_file_that_grows_is_checked_up_to_its_end_at_the_start() {
     ] {
         let expected = checked(name, &bytes, &bytes, &library);
         assert!(expected.checked > 0 && expected.cut_short.is_empty(), "{name}: {:?}", expected.cut_short);
-        // The end is neither a message nor a record of any kind.
+        // The end of the file is neither a message nor a record of any kind.
         let longer = [&bytes[..], b"{\"timestamp\": 7, \"not complete"].concat();
         let result = checked(name, &bytes, &longer, &library);
         let read = (result.records, result.checked, result.bytes, result.extent, result.corruption.len());

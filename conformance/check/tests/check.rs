@@ -119,7 +119,7 @@ fn start() -> Writer {
     log
 }
 
-/// Missing messages may have been in the missing part of the log.
+/// The missing part of a log may have contained the missing messages.
 #[test]
 fn reports_no_violations_that_a_missing_part_may_explain() {
     let whole = log_with(&Glider::at(60 * PERIOD)).bytes;
@@ -274,7 +274,7 @@ fn mutants() -> Vec<(&'static str, Writer, &'static str)> {
     ]
 }
 
-/// Rules that a mutant necessarily violates in addition to its intended rule.
+/// For some mutants, another rule that is necessarily violated in addition to the intended rule.
 const ALSO_VIOLATED: [(&str, &str); 1] = [("PX-FMT-03", "PX-FMT-01")];
 
 #[test]
@@ -292,7 +292,7 @@ fn a_violation_has_a_message_and_a_location() {
     }
 }
 
-/// A `char` that isn't in an array is a number.
+/// A `char` outside of an array is a number.
 #[test]
 fn checks_a_single_char_as_a_number() {
     let (_folder, definitions) =
@@ -308,7 +308,7 @@ fn checks_a_single_char_as_a_number() {
     }
 }
 
-/// Older releases of PX4 log topics that were never published. Then all bytes are 0.
+/// Older PX4 releases also log topics that were never published. All their bytes are 0.
 #[test]
 fn values_of_unpublished_topics_are_not_checked() {
     let (_folder, definitions) = defined(&[(
@@ -449,7 +449,8 @@ fn accepts_a_new_subscription_after_the_old_one_ended() {
         let result = run_check(&log);
         violated(&result).iter().map(|(rule, _)| *rule).collect::<Vec<_>>()
     };
-    // A topic may be subscribed again with the same id, or with another id after the old id was unsubscribed or reused.
+    // A topic may be subscribed again: with the same id, or with another id after the old id was unsubscribed or
+    // reused.
     let again = |log: &mut Writer, id| _ = log.subscribe(id, 0, "glider");
     assert_eq!(checked(&|log| again(log, 5)), NONE);
     let moved = |log: &mut Writer| {
@@ -462,7 +463,7 @@ fn accepts_a_new_subscription_after_the_old_one_ended() {
         again(log, 6);
     };
     assert_eq!(checked(&renamed), NONE);
-    // An ended subscription doesn't excuse a later duplicate.
+    // A subscription that has ended doesn't excuse a later duplicate.
     let twice = |log: &mut Writer| {
         moved(log);
         log.subscribe(5, 0, "mark");
@@ -494,7 +495,7 @@ fn requires_a_timestamp_of_topics_without_data() {
         let message = "sonde: the format has no `uint64_t timestamp` field";
         assert_eq!(checked(data), [("PX-FMT-03", message.to_owned())]);
     }
-    // Formats without a subscription may be nested, and an unusable format has no size.
+    // A format without a subscription may be nested, and an unusable format has no size.
     let mut log = start();
     log.format("sonde:float x;");
     log.format("rope:sail sails;");
@@ -593,8 +594,8 @@ fn counts_equal_findings() {
     assert_eq!(result.findings.verdict(rule), Verdict::Fail);
 }
 
-/// Real logs have no violations, except for known peculiarities. PX4's own definitions, unlike the built-in ones, state
-/// a range for `max_error` that excludes the 0 of unknown errors.
+/// Real logs have no violations, except for known ones. PX4's own definitions state a range for `max_error` that
+/// excludes 0, the value of an unknown error. The built-in definitions don't.
 #[test]
 fn real_logs_have_the_known_results() {
     let (Some(logs), Some(corpus)) = (shared("corpus/ulog"), shared("corpus/px4")) else { return };

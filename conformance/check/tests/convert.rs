@@ -21,7 +21,7 @@ use uavspec_test_support::extent;
 
 static LIBRARY: LazyLock<Library> = LazyLock::new(Library::built_in);
 
-/// A release with a short flight. Both are created when a test needs them.
+/// A release, and a short flight with its topics. Both are created when a test first needs them.
 struct Release {
     library: Library,
     flight: OnceLock<Flight<'static>>,
@@ -84,11 +84,12 @@ pub(super) fn converted(bytes: &[u8], to: &str, settings: Settings) -> (Conversi
     try_converted(bytes, &LIBRARY, to, settings).expect("a conversion")
 }
 
-/// A plan, and what it depends on: the definitions of the capture, the name of the library, and the target release.
+/// A cached plan, with the values that it depends on: the definitions of the capture, the name of the library, and the
+/// target release.
 type KnownPlan = (Arc<Definitions>, String, String, Arc<Plan>);
 
-/// The plan of a conversion. Creating it takes longer than the conversion of a small capture, so the tests share the
-/// latest plans.
+/// The plan of a conversion. Creating a plan takes longer than converting a small capture, so the tests share the most
+/// recent plans.
 fn plan(source: &Arc<Definitions>, library: &Library, to: &str) -> Arc<Plan> {
     static PLANS: Mutex<Vec<KnownPlan>> = Mutex::new(Vec::new());
     let plans = || PLANS.lock().unwrap_or_else(PoisonError::into_inner);
@@ -107,7 +108,7 @@ fn plan(source: &Arc<Definitions>, library: &Library, to: &str) -> Arc<Plan> {
     plan
 }
 
-/// Converts a capture of the library's releases.
+/// Converts a capture. The library contains the releases to which it is compared.
 fn try_converted(
     bytes: &[u8],
     library: &Library,
@@ -236,7 +237,7 @@ fn unconverted_messages_are_kept_on_request() {
     assert_eq!(checked(&output).result.records, bag.messages.len() as u64);
 }
 
-/// Custom firmware: its type has the name of a PX4 message, but different fields.
+/// The capture is from custom firmware: its type has the name of a PX4 message, but different fields.
 #[test]
 fn types_that_no_release_defines_are_left_out() {
     let mut bag = flight("px4@1.17");

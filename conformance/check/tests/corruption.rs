@@ -22,7 +22,7 @@ fn flight() -> Flight<'static> {
     flight
 }
 
-/// Captures of each kind, with the number of checked messages.
+/// A capture of each kind, with its number of checked messages.
 fn captures() -> Vec<(&'static str, Vec<u8>, u64)> {
     let flight = flight();
     let sources = [
@@ -52,7 +52,7 @@ fn assert_locations(name: &str, result: &CaptureResult, size: usize) {
     }
 }
 
-/// A corrupt part may begin within a record. The rest of that record then has any values.
+/// A corrupt part may begin within a record. The rest of that record can then have any values.
 #[test]
 fn a_gap_in_a_log_violates_no_rule() {
     let log = flight().log().to_bytes();
@@ -71,7 +71,7 @@ fn a_gap_in_a_log_violates_no_rule() {
 fn checks_records_before_a_truncation() {
     for (name, bytes, whole) in captures() {
         let mut before = 0;
-        // JSON captures are ten times as long, and each truncated file is read completely.
+        // JSON captures are ten times as long, and every truncated copy is read completely.
         let step = extent(1, 4) * if name == "log" || name == "MCAP" { 97 } else { 970 };
         for cut in (0..bytes.len()).step_by(step) {
             let result = checked(&bytes[..cut]);
@@ -107,7 +107,7 @@ fn a_flipped_bit_loses_few_messages() {
             let is_ordered = !result.corruption.is_empty()
                 || result.records > result.checked
                 || result.findings.groups().next().is_some();
-            // A data message that became a text message counts as one lost message.
+            // A data message that turned into a text message counts as one lost message.
             assert!(lost <= 1 || is_ordered, "{name}: {lost} lost after bit {bit} of byte {at}");
             assert!(
                 lost <= 3 * ROUNDS,
@@ -121,7 +121,7 @@ fn a_flipped_bit_loses_few_messages() {
         );
         all_corrupt += corrupt;
     }
-    // In quick mode, a single capture may have too few flipped bits.
+    // In quick mode, there may be too few flipped bits in a single capture.
     assert!(all_corrupt > 2, "only {all_corrupt} flipped bits were reported as corruption");
 }
 
@@ -174,7 +174,7 @@ fn reports_noise_from_the_start() {
     ] {
         assert_eq!(unknown(start).as_deref(), Some(reason));
     }
-    // Files with a single wrong byte or with text in other scripts count as corrupt, not as an unknown type.
+    // A file with a single wrong byte, or with text in another script, counts as corrupt, not as an unknown type.
     for start in [&b"\x1b{\"type\":1}\n"[..], "\u{feff}{\"ключ\":1}".as_bytes()] {
         assert_eq!(unknown(start), None, "{}", start.escape_ascii());
     }

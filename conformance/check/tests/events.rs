@@ -1,4 +1,5 @@
-//! Events, compared with libevents' Python parser, and the event metadata that explains them.
+//! Tests of events and of the metadata that explains them. The results are compared with those of libevents' Python
+//! parser.
 
 use std::fs::{self, File};
 use std::io::BufReader;
@@ -28,7 +29,7 @@ use uavspec_test_support::{Writer, shared, xz};
 
 use crate::convert::converted;
 
-/// The events of a log, each decoded, as in the reference.
+/// The decoded events of a log, in the form of the reference.
 fn events_of(log: &Path) -> Vec<Value> {
     let mut reader = Reader::new(BufReader::new(File::open(log).expect("a log")));
     let (mut formats, mut metadata, mut reports) = (Log::default(), Vec::new(), Reports::default());
@@ -81,7 +82,7 @@ fn decoded_event(event: &DecodedEvent<'_>) -> Map<String, Value> {
         };
         let shown = event.argument(index).expect("an argument");
         let text = match shown {
-            // The reference shows the digits of the number as a double.
+            // The reference prints the number with the digits of a double.
             Argument::Float(value) => python_float(f64::from(value)),
             _ => shown.to_string(),
         };
@@ -99,7 +100,7 @@ fn decoded_event(event: &DecodedEvent<'_>) -> Map<String, Value> {
     facts.as_object().expect("an object").clone()
 }
 
-/// A number as Python shows it.
+/// A number in the notation of Python.
 fn python_float(value: f64) -> String {
     if value.fract() == 0.0 { format!("{value:.1}") } else { value.to_string() }
 }
@@ -156,22 +157,22 @@ fn events_and_reports_are_those_of_the_reference() {
     assert!(compared > 0, "no events");
 }
 
-/// The texts that differ between the reference parsers, in Python and in C++, each with the text that we show.
+/// The texts for which the reference parsers in Python and in C++ differ, each with the text that this program prints.
 #[test]
 fn differences_to_the_references_are_known() {
     const INTEGER: &str = r#""type": "uint8_t""#;
     const FLOAT: &str = r#""type": "float""#;
     const ENUM: &str = r#""type": "side_t""#;
     for (text, ty, bytes, ours, python, cpp) in [
-        // The shortest text of the same float.
+        // The shortest text that denotes the same float.
         ("{1}", FLOAT, 16.423_f32.to_le_bytes(), "16.423", "16.42300033569336", "16.423"),
         ("{1}", FLOAT, 2_f32.to_le_bytes(), "2", "2.0", "2"),
         // Numbers are decimal. C++ reads a number that starts with 0 as octal.
         ("{01}", INTEGER, [7, 0, 0, 0], "7", "7", "7"),
-        // An unknown unit is a mistake, which we show.
+        // An unknown unit is a mistake in the metadata. It is printed.
         ("{1ft}", INTEGER, [7, 0, 0, 0], "{1ft}", "{1ft}", "7 ft"),
         ("{1:.1}", INTEGER, [7, 0, 0, 0], "7.0", "7.0", "7"),
-        // Decimal places make no sense for a label. Python fails.
+        // Decimal places are meaningless for a label. The Python parser fails.
         ("{1:.1}", ENUM, [1, 0, 0, 0], "Left", "error", "Left"),
         ("{1m}", ENUM, [1, 0, 0, 0], "Left m", "Left m", "Left"),
         ("<profile>a</profile>b", INTEGER, [0; 4], "b", "b", "ab"),
@@ -215,7 +216,7 @@ fn log(metadata: &[u8], digest: Option<&str>) -> Vec<u8> {
     log.bytes
 }
 
-/// The problems of the metadata, the text of the event in the timeline, and the origin of the metadata.
+/// The problems with the metadata, the text of the event in the timeline, and the origin of the metadata.
 fn explained(log: &[u8]) -> (Vec<String>, String, String) {
     let definitions = Definitions::built_in();
     let result = check_ulog(log, &definitions);

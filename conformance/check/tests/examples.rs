@@ -51,7 +51,7 @@ struct Recording<'d> {
     definitions: &'d Definitions,
     text: String,
     time: f64,
-    /// True if no further request follows.
+    /// True if no further request follows in the recording.
     is_last: bool,
     num_messages: usize,
     /// The ids and types of unanswered requests.
@@ -148,7 +148,7 @@ impl<'d> Recording<'d> {
         }
     }
 
-    /// The id of the request that a body answers, if it is a response.
+    /// The id of the request that a body answers, if the body is a response.
     fn refs(&mut self, body: &Value) -> Option<Value> {
         let name = body["type"].as_str()?;
         let same_type = self.unanswered.iter().position(|(_, request)| request == name);
@@ -164,7 +164,7 @@ impl<'d> Recording<'d> {
         Some(id)
     }
 
-    /// A message with this body; the value itself if it already has an envelope.
+    /// Returns a message with this body, or the value itself if it already has an envelope.
     fn with_envelope(&mut self, value: Value, refs: Option<Value>) -> Value {
         if value.get("type").is_none() {
             return value;

@@ -22,7 +22,7 @@ const REPLY: &str = "ArmingCheckReply";
 /// The time between requests, in ms.
 const PERIOD: u64 = 300;
 
-/// A recording that is written message by message, with times in ms.
+/// A recording that a test writes message by message, with times in ms.
 #[derive(Clone)]
 struct Script<'d> {
     typical: &'d Flight<'d>,
@@ -44,7 +44,7 @@ impl<'d> Script<'d> {
         self.typical.topic(message).expect("a topic")
     }
 
-    /// Adds a message that differs from a typical message in these fields.
+    /// Adds a typical message, in which these fields are replaced.
     fn add(&mut self, message: &str, ms: u64, fields: &Value) {
         let topic = self.topic(message);
         let sent = self.typical.messages.iter().find(|sent| sent.topic == topic).expect("a message");
@@ -78,7 +78,8 @@ impl<'d> Script<'d> {
         self.add(REPLY, ms, &fields);
     }
 
-    /// Adds a request for a registration, or the reply to one.
+    /// Adds a message with the name of a component: a registration or unregistration request, or a negative reply to
+    /// one.
     fn name(&mut self, message: &str, ms: u64, id: u64, name: &str) {
         self.add(message, ms, &json!({ "request_id": id, "name": name, "success": false }));
     }
@@ -92,7 +93,7 @@ impl<'d> Script<'d> {
         self.add("UnregisterExtComponent", ms, &json!({ "arming_check_id": registration }));
     }
 
-    /// Adds the requests with the numbers `from..to`, with replies from all registered components.
+    /// Adds the requests with the numbers `from..to`, each with replies from all registered components.
     fn exchange(&mut self, from: u64, to: u64, registrations: &[u8]) {
         for number in from..to {
             self.request(number * PERIOD, id(number), registrations);
@@ -102,7 +103,8 @@ impl<'d> Script<'d> {
         }
     }
 
-    /// The findings of the rules on external components, except repeated replies: many scripts repeat replies. The findings must be identical for `ULog`, JSON and MCAP.
+    /// The findings of the rules on external components, except repeated replies, which many scripts contain. Asserts
+    /// that the findings are the same for `ULog`, JSON and MCAP.
     fn found(&self) -> Vec<String> {
         let log = self.run_check(&self.flight.log().to_bytes());
         let is_other = |text: &String| !text.starts_with("PX-EXT-06");
@@ -170,7 +172,7 @@ fn accepts_request_ids_that_wrap_around() {
     assert_eq!(script.found(), NOTHING);
     assert_eq!(script.covered("PX-EXT-01"), 29);
     assert_eq!(script.covered("PX-EXT-02"), 29);
-    // The last two requests of each part aren't checked, and one request before the second part is missing.
+    // In each part, the last two requests aren't checked. One request before the second part is missing.
     assert_eq!(script.covered("PX-EXT-03"), 2 * 8 + 7);
 }
 
@@ -221,7 +223,7 @@ fn reports_only_old_request_ids_at_the_end() {
 
 #[test]
 fn accepts_topics_in_any_order() {
-    // One reply precedes its request, and another follows the next request. Their times are correct.
+    // One reply precedes its request in the file, and another one follows the next request. Their times are correct.
     for times in [[5, 5], [0, 0]] {
         let mut script = Script::new();
         script.exchange(100, 105, &[3]);
@@ -235,7 +237,8 @@ fn accepts_topics_in_any_order() {
         script.exchange(108, 112, &[3]);
         assert_eq!(script.found(), NOTHING);
     }
-    // A reply is compared with the latest request at the reply's time, even if the reply is stored much later.
+    // A reply is compared with the request that was the latest at the time of the reply, even if the reply is stored
+    // much later.
     let mut script = Script::new();
     script.exchange(100, 105, &[]);
     script.reply(102 * PERIOD + 5, 101, 3);
@@ -267,7 +270,7 @@ fn reports_nothing_before_the_first_request() {
     assert_eq!(script.covered("PX-EXT-01"), 3);
 }
 
-/// A log starts with the latest message of each topic.
+/// A log starts with the latest message of each topic, which may be an old reply.
 #[test]
 fn ignores_an_answer_older_than_all_requests() {
     for is_first in [false, true] {
@@ -287,7 +290,7 @@ fn ignores_an_answer_older_than_all_requests() {
     }
 }
 
-/// A log with other entries between two parts.
+/// A log in which other entries separate two parts.
 fn interrupted(before: &Script<'_>, between: Vec<Entry>, after: &Script<'_>) -> Vec<u8> {
     let mut log = before.flight.log();
     log.entries.extend(between);
@@ -330,7 +333,7 @@ fn reports_no_missing_reply_that_may_be_lost() {
     assert_eq!(reported(&lost), NOTHING);
     assert!(lost.findings.covered(rule("PX-EXT-03").expect("a rule")) > 0);
 
-    // As JSON with an error, and as text that isn't JSON.
+    // The unreadable messages: JSON with an error, and text that isn't JSON.
     let mut whole = before.clone();
     whole.reply(105 * PERIOD + 5, 105, 3);
     whole.flight.messages.extend(after.flight.messages.clone());
@@ -404,7 +407,7 @@ fn reports_unassigned_ids_if_the_start_is_recorded() {
         script.exchange(102, 104, &[3]);
         assert_eq!(script.found(), NOTHING);
     }
-    // A failed registration, or one without arming checks, assigns no id.
+    // A registration that fails, or that has no arming checks, assigns no id.
     let failed = unknown_component(
         |script| {
             script.register(REGISTRATION_TIME, 3);
@@ -474,12 +477,12 @@ fn a_mask_shows_that_an_id_was_reused() {
     script.exchange(100, 105, &[3]);
     script.unregister(105 * PERIOD - 100, 3);
     script.exchange(105, 107, &[]);
-    // The registration isn't in the recording.
+    // The recording doesn't contain the registration.
     script.exchange(107, 112, &[3]);
     // Now the component is slow and gets no requests.
     script.request(112 * PERIOD, 112, &[]);
     script.reply(112 * PERIOD + 5, 112, 3);
-    // Other components need not be in the recording either.
+    // The recording need not contain other components either.
     script.reply(112 * PERIOD + 6, 112, 9);
     script.exchange(113, 116, &[]);
     assert_eq!(script.found(), NOTHING);
@@ -553,14 +556,14 @@ fn replies_without_a_time_are_late_if_several_follow_the_next_request() {
     assert_eq!(script.found(), NOTHING);
 }
 
-/// An unreadable message may have any content.
+/// An unreadable message may have been the reply.
 #[test]
 fn reports_no_missing_reply_that_may_be_unreadable() {
     let mut script = Script::new();
     script.exchange(100, 110, &[3]);
     let [reply, other] =
         [REPLY, "FailsafeFlags"].map(|name| u16::try_from(script.topic(name)).expect("an id"));
-    // If an unrelated message is unreadable, the reply is missing.
+    // If an unrelated message is unreadable, the missing reply is reported.
     for (id, found) in [(reply, &["PX-DATA-01"][..]), (other, &["PX-DATA-01", "PX-EXT-03"])] {
         let mut log = script.flight.log();
         let at = log.entries.iter().rposition(|entry| matches!(entry, Entry::Data(id, _) if *id == reply));
@@ -659,7 +662,7 @@ fn accepts_reassigned_ids() {
     script.register(107 * PERIOD - 100, 3);
     script.exchange(107, 112, &[3]);
     assert_eq!(script.found(), NOTHING);
-    // In the file, the registration may follow the first request that includes it.
+    // The registration may follow the first request that includes it in the file.
     let at = script
         .flight
         .messages
@@ -679,7 +682,7 @@ fn ignores_an_unregistration_older_than_the_registration() {
     script.reply(102 * PERIOD + 5, 102, 3);
     script.exchange(103, 105, &[]);
     assert_eq!(script.found(), NOTHING);
-    // Similarly, an old registration doesn't assign an id that was released later.
+    // In the same way, an old registration doesn't assign an id that was released later.
     let mut script = Script::new();
     script.exchange(100, 102, &[3]);
     script.unregister(102 * PERIOD - 50, 3);
@@ -766,7 +769,7 @@ fn a_restart_of_the_flight_controller_starts_over() {
         let mut script = Script::new();
         script.register(REGISTRATION_TIME, 3);
         script.exchange(100, 105, &[3]);
-        // Request ids may continue by chance.
+        // The ids of later requests may continue the sequence by chance.
         script.request(ms, 105, &[3]);
         script.reply(ms + 5, 105, 3);
         script.reply(ms + 6, 105, 9);
@@ -818,12 +821,12 @@ fn components_may_use_instances_of_a_topic() {
     assert_eq!(rules, ["PX-EXT-01"]);
     assert_eq!(result.findings.covered(rule("PX-EXT-03").expect("a rule")), 16);
 
-    // A logger subscribes to unpublished instances.
+    // A logger also subscribes to instances that were never published.
     let at = last_subscription.expect("a subscription") + 1;
     log.entries.insert(at, Entry::Subscription(901, 1, "arming_check_request".to_owned()));
     assert_eq!(reported(&script.run_check(&log.to_bytes())).len(), 1);
 
-    // If there are two requesters, it is unknown which one a reply answers.
+    // If there are two requesters, it is unknown which of them a reply answers.
     let request = u16::try_from(script.topic(REQUEST)).expect("an id");
     let of_another = log.entries.iter().find_map(|entry| match entry {
         Entry::Data(id, payload) if *id == request => Some(Entry::Data(901, payload.clone())),
@@ -957,13 +960,13 @@ fn without_masks_further_replies_imply_a_registration() {
         script.exchange(106, 110, &[]);
     });
     assert_eq!(registered, 0);
-    // A request in between is missing.
+    // One of the requests in between is missing.
     let missing = left(&|script| {
         script.exchange(105, 106, &[3]);
         script.exchange(107, 110, &[]);
     });
     assert_eq!(missing, 0);
-    // Messages of different topics have no common order. The component registered again after it had unregistered.
+    // Messages of different topics have no defined order. The component unregistered, and then registered again.
     let mut script = Script::with_flight(&flight);
     script.register(10, 3);
     script.exchange(100, 105, &[3]);
@@ -1127,7 +1130,7 @@ fn finds_replies_with_other_names() {
 
 #[test]
 fn accepts_replies_whose_request_may_be_missing() {
-    // Two components chose the same id, and the capture lacks the request of one.
+    // Two components chose the same id, and the capture lacks the request of one of them.
     for replies in [["Landing", "Survey"], ["Survey", "Landing"]] {
         let mut script = Script::new();
         script.name(REGISTRATION_REQUEST, 10, 7, "Landing");

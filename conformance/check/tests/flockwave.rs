@@ -62,7 +62,7 @@ fn land(gliders: &[&str]) -> Value {
     json!({ "type": "UAV-LAND", "ids": gliders })
 }
 
-/// The lines of a session, moved to another connection.
+/// The messages of a session, moved to another connection.
 fn on_connection(connection: &str, session: &Session) -> Vec<Value> {
     let mut lines = session.lines.clone();
     for line in &mut lines {
@@ -130,7 +130,7 @@ fn reports_only_the_reuse_of_a_request_id() {
 #[test]
 fn distinguishes_connections() {
     let (hill, dale) = (on_connection("hill", &Session::new()), on_connection("dale", &Session::new()));
-    // Interleaved and consecutive sessions with the same ids.
+    // Two sessions with the same ids, interleaved and one after the other.
     let mixed = hill.iter().cloned().zip(dale.iter().cloned()).flat_map(|(one, other)| [one, other]);
     let mixed = with_lines(mixed.collect());
     assert_eq!(violated_by(&mixed), []);
@@ -179,7 +179,7 @@ fn reports_only_lost_answers() {
         "7",
         "{\"dir\":\"up\",\"msg\":{}}",
     ];
-    // Even the larger step of quick mode covers each kind of junk.
+    // Even the larger step of quick mode includes each kind of junk.
     for (at, junk) in (1..lines.len()).zip(junk.into_iter().cycle()).step_by(extent(1, 15)) {
         let mut lines = lines.clone();
         lines[at] = junk.to_owned();
@@ -213,7 +213,7 @@ fn reports_an_unanswered_request_if_the_server_sends_messages_much_later() {
     assert_eq!(violated_by(&session), [], "the duration is unknown if time goes back");
 }
 
-/// Messages that aren't Flockwave requests don't need an answer, and times may be unreadable.
+/// A message that isn't a Flockwave request doesn't need an answer, even if its time is unreadable.
 #[test]
 fn ignores_messages_that_may_not_need_an_answer() {
     let changes: [fn(&mut Value); 4] = [
@@ -281,7 +281,7 @@ fn suspended_operations_continue_only_after_a_request() {
     };
     let ended = json!({ "type": "ASYNC-RESP", "id": "r-1", "result": true });
     for request in ["ASYNC-RESUME", "ASYNC-CANCEL"] {
-        // The end may precede the answer to the request that resumes the operation.
+        // The end of an operation may precede the answer to the request that resumes the operation.
         let mut session = suspended();
         let id = session.sends(json!({ "type": request, "ids": ["r-1"] }));
         session.notify(ended.clone());
@@ -368,7 +368,7 @@ fn counts_unknown_types_as_unsupported() {
     assert!(source.types.is_empty());
 }
 
-/// The bodies of messages in a direction without a definition aren't checked.
+/// If a type has no definition for a direction, the bodies of its messages in that direction aren't checked.
 #[test]
 fn messages_in_an_undefined_direction_do_not_count_as_checked() {
     let mut session = Session::opened();
@@ -422,7 +422,7 @@ fn checks_bare_messages_alone_and_with_their_requests() {
         session.errors(&[0]).expect("a report").reply("UAV-TAKEOFF", |body| body["error"] = json!({}));
     let changed = changed.expect("an answer");
     assert_eq!(violated(&checked(&bare(&changed))), BTreeMap::from([("FW-ASY-02", 1), ("FW-ERR-02", 1)]));
-    // Two recordings in one file may contain the same ids.
+    // Two recordings in the same file may use the same ids.
     assert_eq!(violated(&checked(&[bare(&Session::new()), bare(&Session::new())].concat())), BTreeMap::new());
 }
 
@@ -443,7 +443,7 @@ fn detects_a_recording_by_its_first_object() {
     }
 }
 
-/// Text that one program rejects may be valid JSON for another.
+/// Text that one program rejects may be valid JSON for another program.
 #[test]
 fn parses_raw_text_as_a_message_if_possible() {
     let mut session = Session::opened();
@@ -529,7 +529,7 @@ fn stores_a_bounded_number_of_requests() {
     for number in 0..count {
         text.push_str(&line("out", request(number)));
     }
-    // The first request has been dropped, but the last has not.
+    // The first request was dropped, the last one wasn't.
     text.push_str(&line("in", answer(1)));
     text.push_str(&line("in", answer(count - 1)));
     let result = checked(text.as_bytes());
@@ -577,10 +577,10 @@ fn reports_describe_the_recording() {
 /// - It omits the holder of a license.
 /// - The components of a magnetic field have fractions.
 /// - It uses another name for preflight checks.
-/// - It writes connection purposes as numbers, includes 0 in lists of error codes, and writes seconds instead of
+/// - - It writes connection purposes as numbers, includes 0 in lists of error codes, and writes seconds instead of
 ///   milliseconds.
 /// - It doesn't report the end of a cancelled operation.
-/// - It sends the error codes that the client set for the server's gliders.
+/// - - It sends error codes that a client set for the server's gliders.
 #[test]
 fn reports_the_deviations_of_real_servers() {
     let Some(corpus) = shared("corpus/flockwave") else { return };

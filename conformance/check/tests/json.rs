@@ -59,7 +59,7 @@ fn published(topic: &str, message: &Value) -> String {
     json!({"op": "publish", "topic": topic, "msg": message}).to_string()
 }
 
-/// The type name. The package of the type depends on the temporary folder.
+/// The full type name. Its package depends on the name of the temporary folder.
 fn type_name() -> String {
     format!("{}/Glider", DEFINITIONS.schema.packages[0].name)
 }
@@ -91,7 +91,7 @@ fn corruption(result: &CaptureResult) -> Vec<String> {
     result.corruption.iter().map(|(location, what)| format!("{location}: {what}")).collect()
 }
 
-/// Conforming lines, followed by another line.
+/// Conforming lines, followed by the line `last`.
 fn lines_with(last: &str) -> String {
     let lines = (1..60).map(|number| typed(&glider(number * PERIOD)));
     lines.chain([last.to_owned()]).map(|line| line + "\n").collect()
@@ -115,15 +115,15 @@ fn conforming_json_has_no_violations_and_covers_its_rules() {
     let ids = RULES.iter().map(|rule| rule.id);
     let talk: Vec<&str> = ids.filter(|id| id.starts_with("PX-EVT-") || id.starts_with("PX-EXT-")).collect();
     let formats = ["PX-FMT-01", "PX-FMT-02", "PX-FMT-03"];
-    // There are no events, no external component communicates, no type has a version suffix, and there are no
-    // publishers and subscribers. The messages of a type may belong to several instances.
+    // There are no events, publishers or subscribers; no external component communicates; and no type has a version
+    // suffix. The messages of a type may belong to several instances.
     let others =
         ["PX-FSF-03", "PX-HASH-01", "PX-HASH-02", "PX-QOS-01", "PX-TIME-01", "PX-TYPE-01", "PX-VER-01"];
     assert_eq!(idle, [&data[..], &talk, &formats, &others].concat());
     assert_eq!(result.findings.covered(rule("PX-JSON-01").expect("a rule")), 60 * 4);
 }
 
-/// The rule, the text after conforming messages, and the expected message.
+/// The mutants: the violated rule, the text after conforming messages, and the expected message.
 fn mutants() -> Vec<(&'static str, String, &'static str)> {
     let good = glider(60 * PERIOD);
     let value = |pointer: &str, value: Value| {
@@ -294,7 +294,7 @@ fn reports_every_problem_of_a_message() {
     assert_eq!(ids, expected.map(|(id, subject)| (id, subject.to_owned())));
 }
 
-/// The JSON pointers of findings lead to the values in the record, regardless of the record's envelope.
+/// The JSON pointers of findings lead to the values in the record, whatever its envelope is.
 #[test]
 fn findings_point_into_the_record() {
     let mut message = glider(PERIOD);

@@ -78,7 +78,7 @@ fn agrees(plans: &Plans<'_>, id: MessageId, text: &str) -> Result<bool, TestCase
     Ok(was_clean)
 }
 
-/// The findings: the ids of their rules, their subjects, and the number for each.
+/// The findings: the id of the rule, the subject, and the count.
 fn listed(findings: &Findings) -> Vec<(&'static str, String, u64)> {
     findings.groups().map(|group| (group.rule.id, group.subject.clone(), group.count)).collect()
 }
@@ -136,7 +136,7 @@ fn checks_bounds_of_sequences_and_strings() {
     }
 }
 
-/// Checks a message of type `Tow` in JSON and in memory. Both must have the returned findings.
+/// Checks a message of type `Tow` in JSON and in memory. Asserts that both have the same findings, and returns them.
 fn found_in_both(tow: &str, text: &str) -> Vec<(&'static str, String, u64)> {
     let mut sources = SourceMap::default();
     let files = [("Tow.msg", tow), ("Knot.msg", "int16 width  # [@range 1, 9]\n")]
@@ -163,13 +163,13 @@ fn found_in_both(tow: &str, text: &str) -> Vec<(&'static str, String, u64)> {
 }
 
 /// Checks a message with counted arrays in JSON and in memory. Each entry violates its range, so the number of findings
-/// is the number of entries in use.
+/// equals the number of used entries.
 #[test]
 fn json_and_memory_agree_on_the_entries_in_use() {
     const HIGH: &str = "[@invalid 255] [@uncontrolled 254]";
-    // One special value is below the array length, and the other one is written as a float.
+    // One special value is less than the array length, and the other one is written as a float.
     const LOW: &str = "[@range 2, 7] [@invalid 1] [@uncontrolled 254.0]";
-    // The array length allows the special value.
+    // The array length is at least the special value.
     const WITHIN: &str = "[@invalid 2]";
     let (too_long, out_of_range) = (Some("PX-LEN-01"), Some("PX-RANGE-01"));
     for (special, count, in_use, violated) in [

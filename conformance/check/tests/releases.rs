@@ -1,4 +1,4 @@
-//! Tests of the release that is chosen for a capture.
+//! Tests of the choice of the release for a capture.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -55,7 +55,8 @@ fn checked(name: &str, bytes: &[u8]) -> Checked {
     check_path(&path, None, &LIBRARY, &|input| input).expect("the path can be opened")
 }
 
-/// The chosen releases, with the numbers of matching topics and of all topics, and the topics of other releases.
+/// The chosen releases: their numbers of matching topics and of all topics, and the topics that were checked against
+/// other releases.
 fn chosen(checked: &Checked) -> Vec<(&str, u64, u64, Vec<&str>)> {
     let facts = |found: &'_ ReleaseMatch| -> (u64, u64) { (found.matching, found.topics) };
     let releases = checked.result.summary.releases().iter();
@@ -71,7 +72,7 @@ fn chosen(checked: &Checked) -> Vec<(&str, u64, u64, Vec<&str>)> {
     describe.collect()
 }
 
-/// The violated rules of level MUST, with the topics and the messages.
+/// The violated MUST rules, with their topics and messages.
 fn failures(checked: &Checked) -> Vec<(&str, &str, Vec<String>)> {
     let groups = checked.result.findings.groups().filter(|group| group.rule.level == Level::Must);
     groups.map(|group| (group.rule.id, &*group.subject, group.messages())).collect()
@@ -101,7 +102,7 @@ fn without_hashes(mut bag: Bag) -> Bag {
     bag
 }
 
-/// Only the versions in the names of topics distinguish definitions of the same size.
+/// A bag in which only the versions in the topic names distinguish definitions of the same size.
 fn unnamed(flight: &Flight<'_>) -> Bag {
     let mut bag = without_hashes(anonymous(flight));
     for (channel, topic) in bag.channels.iter_mut().zip(&flight.topics) {
@@ -111,7 +112,7 @@ fn unnamed(flight: &Flight<'_>) -> Bag {
     bag
 }
 
-/// A kind of capture with the name of its file, and the bytes of a flight.
+/// A kind of capture, the file name, and a function that writes a flight as such a capture.
 type Capture = (&'static str, &'static str, fn(&Flight<'_>) -> Vec<u8>);
 
 const CAPTURES: [Capture; 5] = [
@@ -124,7 +125,8 @@ const CAPTURES: [Capture; 5] = [
 
 #[test]
 fn captures_of_each_release_are_checked_against_it() {
-    // In quick mode, the first release is tested with the first kind of capture, and another one with the last kind.
+    // In quick mode, the first release is tested with the first kind of capture, and another release with the last
+    // kind.
     for (number, (name, flight)) in FLIGHTS.iter().enumerate() {
         let topics = flight.topics.len() as u64;
         assert!(topics > 100, "{topics}");
@@ -156,7 +158,7 @@ fn json_messages_of_each_release_are_checked_against_it() {
     }
 }
 
-/// If few topics indicate the release, the lengths of arrays and the keys of nested messages determine the definition.
+/// If few topics indicate the release, array lengths and the keys of nested messages determine the definition.
 #[test]
 fn json_messages_are_checked_against_a_definition_of_their_form() {
     let cases = [
@@ -178,7 +180,7 @@ fn json_messages_are_checked_against_a_definition_of_their_form() {
     }
 }
 
-/// A capture with JSON messages, as rosbridge messages and as messages of a bag without schemas.
+/// A capture with JSON messages, in two forms: as rosbridge messages, and in a bag without schemas.
 fn json_captures(topic: &str, messages: &[&Value]) -> [(&'static str, Vec<u8>); 2] {
     let line = |message: &&Value| json!({"op": "publish", "topic": topic, "msg": message}).to_string() + "\n";
     let lines: String = messages.iter().map(line).collect();
@@ -196,7 +198,7 @@ fn battery_status(version: &str) -> Value {
     sent.value.clone()
 }
 
-/// Other programs use the names of PX4's topics for other types.
+/// Other programs use the names of PX4 topics for other types.
 #[test]
 fn names_of_json_topics_outside_of_px4_need_the_keys_of_the_type() {
     let of_px4 = &battery_status("1.17");
@@ -225,7 +227,7 @@ fn names_of_json_topics_outside_of_px4_need_the_keys_of_the_type() {
     }
 }
 
-/// The first non-empty message decides, and indicates the release. Earlier messages aren't checked.
+/// The first non-empty message determines the definition and the release. Earlier messages aren't checked.
 #[test]
 fn json_messages_without_keys_decide_nothing() {
     let (of_px4, other) = (&battery_status("1.14"), &json!({"voltage": 12.1}));
@@ -290,7 +292,7 @@ fn user_definitions_apply_to_json_topics_of_any_name() {
     }
 }
 
-/// A bag with JSON messages. The name of a schema is the type, or empty.
+/// A bag with JSON messages. The name of each schema is the type if `has_types` is true; otherwise, it is empty.
 fn json_bag(flight: &Flight<'_>, has_types: bool) -> Vec<u8> {
     let mut bytes = Cursor::new(Vec::new());
     let mut writer = WriteOptions::new().compression(None).create(&mut bytes).expect("a writer");
@@ -362,7 +364,7 @@ fn forced_releases_apply_to_all_captures() {
     assert!(chosen(&found)[0].3.is_empty());
 }
 
-/// The messages of firmware that no release matches are checked as far as possible.
+/// If firmware matches no release, its messages are checked as far as possible.
 #[test]
 fn unknown_firmware_is_incomplete() {
     let library = release("1.13");

@@ -1,4 +1,4 @@
-//! Tests that the fast path for valid status reports has the same results as a check of all rules.
+//! Tests that the fast path for status reports and the check of all rules have the same results.
 
 use std::sync::LazyLock;
 
@@ -118,7 +118,7 @@ const FIELDS: [&str; 11] = [
 fn state() -> impl Strategy<Value = (String, Value)> {
     let uav = prop_oneof![20 => prop::sample::select(vec!["kite", "owl", "swift", "möwe"]).prop_map(str::to_owned),
                           1 => "[a-z/\\\\\"]{0,3}", 1 => "[x]{63,70}"];
-    // Some fields are omitted. `flaps` is not a defined field.
+    // Some fields are omitted. `flaps` isn't a defined field.
     let fields = FIELDS.map(|field| {
         let weight = match field {
             "timestamp" => 60,
@@ -142,7 +142,7 @@ fn state() -> impl Strategy<Value = (String, Value)> {
     })
 }
 
-/// A UAV and its status, in a form that other states share. Only the values differ.
+/// A UAV and its status, in the form of other states: only the values differ.
 fn regular_state() -> impl Strategy<Value = (String, Value)> {
     let fields = ["timestamp", "mode", "position", "heading", "gps", "battery", "errors", "debug"];
     let uav = prop::sample::select(vec!["kite", "owl", "swift", "möwe"]);
@@ -231,7 +231,7 @@ fn style() -> impl Strategy<Value = Style> {
 }
 
 /// The start of a recording. The server sends its time, so that later status timestamps can be compared, and starts an
-/// operation that is later cancelled.
+/// operation that is cancelled later.
 fn beginning() -> Vec<u8> {
     let requested = [
         (json!({ "type": "SYS-TIME" }), json!({ "type": "SYS-TIME", "timestamp": 1_790_000_000_000_u64 })),
@@ -333,7 +333,7 @@ fn finds_duplicate_members() {
         r#"{"$fw.version":"1.0","$fw.version":"1.0","id":"say-1","body":{"type":"UAV-INF","status":{}}}"#,
     );
     assert_eq!(compare(doubled.as_bytes(), &definitions), 0);
-    // Together, both values have all keys once.
+    // Together, both values have every key once.
     let body = r#""body":{"type":"UAV-INF","status":{}}"#;
     let bodies = r#""body":{"type":"UAV-INF"},"body":{"status":{}}"#;
     let messages = format!(r#"{{"$fw.version":"1.0","id":"say-1"}},"msg":{{{body}}}"#);
@@ -349,7 +349,7 @@ fn finds_duplicate_members() {
     assert_eq!(compare(format!("{} 7", report("")).as_bytes(), &definitions), 0);
 }
 
-/// Both paths count findings that concern a whole message, and report a UAV whose first line can't be read.
+/// Both paths count findings that concern a whole message, and report a UAV even if its first line can't be read.
 #[test]
 fn both_paths_agree_on_findings_of_a_message() {
     let definitions = Definitions::built_in();
@@ -371,7 +371,7 @@ fn both_paths_agree_on_findings_of_a_message() {
     compare(text.as_bytes(), &definitions);
 }
 
-/// Statuses are still checked if there are more state kinds than can be stored.
+/// Statuses are still checked if there are more kinds of states than can be stored.
 #[test]
 fn both_paths_agree_on_any_number_of_kinds() {
     let definitions = Definitions::built_in();
@@ -387,7 +387,7 @@ fn both_paths_agree_on_any_number_of_kinds() {
     assert!(compare(text.as_bytes(), &definitions) > 0);
 }
 
-/// The definitions of users may allow values that the rules examine, such as numbers that aren't integers.
+/// User-defined definitions may allow values that the rules examine, such as numbers that aren't integers.
 #[test]
 fn both_paths_agree_on_other_definitions() {
     let folder = tempfile::TempDir::new().expect("a folder");

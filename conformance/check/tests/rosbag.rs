@@ -1,4 +1,4 @@
-//! Tests of rosbag2 bags: `SQLite` files have the same findings as MCAP files, and hostile files do no harm.
+//! Tests of rosbag2 bags: `SQLite` files have the same findings as MCAP files, and hostile files cause no damage.
 
 mod folders;
 mod hostile;
@@ -23,10 +23,10 @@ use uavspec_rules::{Mutant, mutants};
 use uavspec_test_captures::rosbag::{Content, metadata};
 use uavspec_test_support::{extent, shared};
 
-/// The built-in definitions, which apply to all captures.
+/// The built-in definitions, used for all captures.
 static FIXED: LazyLock<Library> = LazyLock::new(|| Library::fixed(Definitions::built_in()));
 
-/// The definitions of the release that a capture matches.
+/// Chooses the definitions of the release that a capture matches.
 static LIBRARY: LazyLock<Library> = LazyLock::new(Library::built_in);
 
 /// Checks a file or a folder against the built-in definitions.
@@ -130,7 +130,7 @@ fn the_summary_names_the_storage_and_the_distribution() {
     assert_eq!((&*found.storage, &*found.distribution, found.num_files), ("sqlite3", "jazzy", 1));
     assert_eq!(found.channels.len(), content.topics.len());
     assert_eq!((result.records, result.extent), (content.messages.len() as u64, Extent::Whole));
-    // From the first to the last log time, also of messages that aren't checked.
+    // The time from the first to the last log time, including messages that aren't checked.
     assert_eq!(result.duration, (content.messages.len() as u64 - 1) * 1_000);
     let mut unknown = content.clone();
     for (_, [_, ty, ..]) in &mut unknown.topics {
@@ -195,7 +195,7 @@ fn compressed_files_and_messages_have_the_same_findings() {
     assert_eq!(checked(&path).extent, Extent::Unreadable);
 }
 
-/// rosbag2 plays messages by time. With several writers, their rows are in another order.
+/// rosbag2 plays messages in the order of time. With several writers, the rows are in another order.
 #[test]
 fn reads_messages_by_time_with_and_without_an_index() {
     let content = flight();
@@ -233,7 +233,7 @@ fn ros_1_bags_are_named_with_the_way_to_convert_them() {
     assert!(summary.reason.starts_with("a ROS 1 bag: convert it first"), "{}", summary.reason);
 }
 
-/// rosbag2's own tests use these recordings, which are available in both storage formats.
+/// rosbag2's own tests use these recordings. They are available in both storage formats.
 #[test]
 fn real_recordings_have_the_same_findings_in_both_formats() {
     let Some((bags, ros)) = shared("corpus/bags").zip(shared("corpus/ros2-distros/rolling")) else { return };
@@ -285,13 +285,13 @@ fn real_recordings_have_the_same_findings_in_both_formats() {
     assert!(num_checked > extent(15_000, 3_000), "{num_checked}");
 }
 
-/// Humble writes neither definitions nor hashes into `SQLite` files, so the sizes of the messages indicate the release.
+/// Humble writes neither definitions nor hashes to `SQLite` files, so the message sizes indicate the release.
 #[test]
 fn bags_without_hashes_are_checked_against_the_release_with_their_sizes() {
     let mut content = flight_of_release();
     content.definitions.clear();
     content.topics.iter_mut().for_each(|(_, [.., hash])| hash.clear());
-    // Each topic has messages in only one of several files.
+    // Each topic has messages in only one of the files.
     content.messages.sort_by_key(|(topic, ..)| *topic);
     let pack = |bytes: &[u8]| compress_to_vec(bytes, CompressionLevel::Fastest);
     let mut packed = content.clone();
@@ -328,7 +328,7 @@ fn bags_without_hashes_are_checked_against_the_release_with_their_sizes() {
     assert_eq!(violated(&whole).iter().filter(|(rule, ..)| rule.starts_with("PX-CDR")).count(), 0);
 }
 
-/// rosbag2 stores one definition for each type, with the hash of the first topic. Other topics may have no hash.
+/// rosbag2 stores one definition for each type, with the hash of the first topic. Other topics may lack a hash.
 #[test]
 fn topics_without_a_hash_have_the_definition_of_their_type() {
     let mut content = flight_of_release();
@@ -343,7 +343,7 @@ fn topics_without_a_hash_have_the_definition_of_their_type() {
     assert_eq!(facts(&found), facts(&expected));
     let is_compared = |status: &CheckStatus| matches!(status, CheckStatus::Checked(Basis::Compared(_)));
     assert!(summary(&found).channels.iter().any(|channel| is_compared(&channel.status)));
-    // A definition whose text doesn't match its hash shows neither the fields nor the release.
+    // A definition whose text doesn't match its hash indicates neither the fields nor the release.
     for [_, _, text, _] in &mut content.definitions {
         text.insert_str(0, "uint8 added_by_the_club\n");
     }
@@ -355,7 +355,7 @@ fn topics_without_a_hash_have_the_definition_of_their_type() {
     assert!(summary(&result).channels.iter().all(|channel| !is_compared(&channel.status)));
 }
 
-/// A second definition of the same type makes it unclear which one applies to a topic without a hash.
+/// If there is a second definition of the same type, it is unclear which one applies to a topic without a hash.
 #[test]
 fn topics_without_a_hash_have_none_of_several_definitions() {
     let mut content = flight();

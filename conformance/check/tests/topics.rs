@@ -12,7 +12,7 @@ fn checked(bytes: &[u8]) -> CaptureResult {
     check_capture(bytes, None, &Definitions::built_in()).expect("bytes")
 }
 
-/// The findings of a rule: the subject with the instance, and the number.
+/// The findings of a rule: the subject, including the instance, and the count.
 fn found(result: &CaptureResult, rule: &str) -> Vec<(String, u64)> {
     let groups = result.findings.groups().filter(|group| group.rule.id == rule);
     groups.map(|group| (group.name().to_string(), group.count)).collect()
@@ -67,7 +67,7 @@ fn findings_cite_the_definition_of_their_type() {
     }
 }
 
-/// A flight whose log has two instances of each topic. The last message of each instance violates a rule.
+/// A log of a flight in which each of these instances of a topic violates a rule in its last message.
 fn log_with_instances(instances: &[u8]) -> Vec<u8> {
     let definitions = Definitions::built_in();
     let flight = Flight::new(&definitions);

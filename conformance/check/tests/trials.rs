@@ -30,7 +30,7 @@ fn covered(session: &Session, id: &str) -> u64 {
     checked(session).findings.covered(rule(id).expect("a rule"))
 }
 
-/// A session with one connection, filled by a function.
+/// A session with one connection. `say` adds the messages.
 fn over(connection: &'static str, say: impl FnOnce(&mut Session)) -> Session {
     let mut session = Session::opened();
     session.over(connection, say);
@@ -70,7 +70,7 @@ fn cancelled(session: &mut Session, id: &str, receipt: &str) {
 fn reports_unanswered_trials_after_the_connection_has_ended() {
     for rule in ["FW-TCP-02", "FW-ENV-07", "FW-ENV-21", "FW-ENV-24", "FW-UAV-INF-06"] {
         let mut session = over("tcp#2", |session| _ = session.tries(rule_of(rule), "", ping()));
-        // FW-ENV-24 checks only the responses to its requests.
+        // FW-ENV-24 checks only responses to the requests of its own trials.
         let reported = if rule == "FW-ENV-24" { "FW-ENV-07" } else { rule };
         assert_eq!(violated_by(&session), [(reported, 1)]);
         session.lines.pop();
@@ -108,7 +108,7 @@ fn one_answer_is_sufficient_over_udp() {
             assert_eq!(violated_by(&session), expected, "{rule}, {answered:?}");
         }
     }
-    // The lost part of a recording may contain other answers. The first request was answered.
+    // The lost part of a recording may contain the other answers. The first request was answered.
     let session = over("udp#1", |session| {
         let id = session.tries(rule_of("FW-UDP-03"), "twice", ping());
         session.answers(&id, json!({ "body": { "type": "ACK-ACK" } }));
@@ -216,7 +216,7 @@ fn detects_supported_families_by_their_rejections() {
     assert_eq!(violated_by(&session_with(Some(false), alike)), [("FW-ENV-24", 1)]);
     assert_eq!(violated_by(&session_with(Some(true), alike)), []);
     assert_eq!(violated_by(&session_with(None, other)), []);
-    // Without the end of the connection, after unreadable data, and after a gap, other answers may be missing.
+    // Other answers may be missing: without the end of the connection, after unreadable data, and after a gap.
     let mut unreadable = session_with(None, alike);
     let text = json!({ "t": 1_790_000_009.0, "conn": "tcp#2", "dir": "in", "raw": "No such type" });
     unreadable.lines.insert(unreadable.lines.len() - 1, text);
@@ -260,7 +260,7 @@ fn a_family_is_absent_only_if_nothing_else_explains_the_refusals() {
     assert_eq!(refused("CONN-INF", "No TYPE here", named), []);
 }
 
-/// A server that knows more reasons than the check stores handles the family.
+/// If a server states more reasons than the check stores, it handles the family.
 #[test]
 fn compares_up_to_16_reasons_for_rejections() {
     let rejected = |number: usize| {
@@ -288,7 +288,7 @@ fn accepts_pipelined_answers() {
     assert_eq!(violated_by(&untried), []);
     let unordered = over("udp#2", |session| session.pipelines(rule_of("FW-ENV-25"), &[2, 1, 0]));
     assert_eq!((violated_by(&unordered), covered(&unordered, "FW-ENV-25")), (vec![], 0));
-    // A missing answer has no place in the order.
+    // A missing answer has no position in the order.
     let first_missing = over("tcp#2", |session| session.pipelines(rule_of("FW-ENV-25"), &[1, 5]));
     assert_eq!((violated_by(&first_missing), covered(&first_missing, "FW-ENV-25")), (vec![], 1));
 }
@@ -402,7 +402,7 @@ fn accepts_changing_uavs() {
     assert_eq!(violated_by(&session), []);
 }
 
-/// A server need not report that an object is gone.
+/// A server need not report that an object has disappeared.
 #[test]
 fn lists_are_compared_only_within_ten_seconds() {
     let compared = |pause: f64| {
@@ -495,7 +495,7 @@ fn accepts_resuming_an_operation_that_was_suspended_meanwhile() {
     assert_eq!(violated_by(&session), []);
 }
 
-/// The clock jumps or stands still around an adjustment of zero.
+/// The clock jumps or stops around an adjustment of zero.
 #[test]
 fn distinguishes_clock_errors_from_adjustments_of_zero() {
     let times = |adjustments: [Option<i64>; 3], seconds: [u64; 3], pause: f64| {

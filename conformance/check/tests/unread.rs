@@ -1,4 +1,4 @@
-//! Tests that unread data never counts as conforming: if a changed bit hides data, the outcome says so.
+//! Tests that unread data never counts as conforming: if a flipped bit hides data, the outcome shows it.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -28,7 +28,7 @@ fn flight(definitions: &Definitions) -> Flight<'_> {
     flight
 }
 
-/// The outcome, and the numbers of all and of the checked messages.
+/// The outcome, the number of messages, and the number of checked messages.
 fn outcome(result: CaptureResult, definitions: &Definitions) -> (OutcomeKind, (u64, u64)) {
     let counts = (result.records, result.checked);
     let capture = CheckedCapture::new("capture".to_owned(), result, Duration::ZERO);
@@ -42,7 +42,7 @@ fn outcome_of(bytes: &[u8], definitions: &Definitions) -> (OutcomeKind, (u64, u6
     outcome(checked, definitions)
 }
 
-/// Flips bits, one at a time. If the outcome is still that the capture conforms, all messages were checked.
+/// Flips bits, one at a time. If the outcome is still "conforms", all messages must have been checked.
 fn assert_nothing_is_hidden(bytes: &[u8], definitions: &Definitions, name: &str) {
     let intact = outcome_of(bytes, definitions);
     assert_eq!(intact.0, OutcomeKind::Conforms, "{name}");
@@ -65,7 +65,8 @@ fn gzip(bytes: &[u8]) -> Vec<u8> {
     gzip.finish().expect("memory")
 }
 
-/// Writes the messages of a bag with statistics and indexes. Chunks have checksums unless they are removed.
+/// A bag with the same messages as `bag`, and with statistics and indexes. Chunks have checksums unless `packing` omits
+/// them.
 fn indexed(bag: &[u8], packing: Option<Packing>) -> Vec<u8> {
     let mut reader = Reader::new(bag);
     let mut writer = Writer::new(Vec::new(), "ros2").expect("memory");
@@ -91,7 +92,7 @@ fn indexed(bag: &[u8], packing: Option<Packing>) -> Vec<u8> {
     writer.finish().expect("memory")
 }
 
-/// The records of a file outside of chunks: the opcode and the place of the body.
+/// The records of a file outside of chunks: the opcode, the offset of the body, and its length.
 fn records(bytes: &[u8]) -> Vec<(u8, usize, usize)> {
     let (mut at, mut found) = (MAGIC.len(), Vec::new());
     while at + 9 <= bytes.len() - MAGIC.len() {
@@ -103,7 +104,7 @@ fn records(bytes: &[u8]) -> Vec<(u8, usize, usize)> {
     found
 }
 
-/// Without the checksums of the data and the summary, only the comparison of statistics and indexes shows a difference.
+/// Without the checksums of the data and the summary, only statistics and indexes reveal a difference.
 #[test]
 fn each_statement_of_a_bag_is_compared() {
     let definitions = Definitions::built_in();
@@ -156,7 +157,7 @@ fn a_flipped_bit_hides_no_message() {
     }
 }
 
-/// Each kind of message, changed to another kind by one bit.
+/// Flips a bit of the kind of each message, which turns it into another kind.
 #[test]
 fn a_changed_kind_of_a_message_is_reported() {
     let definitions = Definitions::built_in();
@@ -176,7 +177,7 @@ fn a_changed_kind_of_a_message_is_reported() {
     assert!(changed > 100, "{changed}");
 }
 
-/// All messages before a wrong trailer, a missing trailer or zeros are checked.
+/// All messages before a wrong trailer, a missing trailer or trailing zeros are checked.
 #[test]
 fn compressed_captures_are_read_to_their_last_byte() {
     let library = Library::built_in();
@@ -261,7 +262,7 @@ fn each_number_in_the_metadata_of_a_bag_is_compared() {
     }
 }
 
-/// The `metadata.yaml` of a bag with any flipped bit.
+/// Flips each bit of a bag's `metadata.yaml`.
 #[test]
 fn a_flipped_bit_in_the_metadata_hides_no_file() {
     let definitions = Definitions::built_in();

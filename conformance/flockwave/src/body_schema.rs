@@ -123,7 +123,7 @@ pub enum Fault {
     Value,
     /// The field isn't allowed.
     Additional,
-    /// The field isn't allowed, and it holds requested objects that belong into another field.
+    /// The field isn't allowed, and it holds requested objects that belong in another field.
     Misplaced,
 }
 

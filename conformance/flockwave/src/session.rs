@@ -167,7 +167,8 @@ impl Sessions {
         self.answers_unknown(&Exchange::new(record, None), schemas)
     }
 
-    /// Like [`follow`](Self::follow), for the exchange of a notification that has already been checked.
+    /// Like [`follow`](Self::follow), but completes the existing exchange of a notification that has already been
+    /// checked.
     pub fn follow_checked(&mut self, exchange: &mut Exchange<'_>) {
         exchange.time = self.reliable_time(exchange.record);
         self.resolve(exchange);
@@ -354,7 +355,7 @@ impl Sessions {
         }
     }
 
-    /// Records the id of a client's response. A server may refuse a message that it doesn't expect.
+    /// Records the id of a client's response, because a server may refuse an unexpected response, and refer to its id.
     fn remember_response(&mut self, exchange: &Exchange<'_>) {
         let state = &mut self.states[exchange.record.connection.index];
         let Some(id) = exchange.id.filter(|id| id.len() <= MAX_ID) else {
@@ -366,7 +367,7 @@ impl Sessions {
         }
     }
 
-    /// Resolves `refs`.
+    /// Determines which message the `refs` of an exchange refers to.
     fn refer(&mut self, exchange: &mut Exchange<'_>, asker: Side) {
         let connection = exchange.record.connection;
         let state = &self.states[connection.index];

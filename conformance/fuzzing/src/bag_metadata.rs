@@ -1,4 +1,4 @@
-//! Texts of `metadata.yaml` that follow its grammar, in all styles of YAML. Random bytes would rarely be YAML.
+//! Texts of `metadata.yaml` that follow its grammar, in all YAML styles. Random bytes would rarely be valid YAML.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -7,7 +7,7 @@ use uavspec_capture::rosbag::metadata::Metadata;
 
 use super::Choices;
 
-/// The names of files, as rosbag2 and people write them, and the names that are read.
+/// The names of files in the forms in which rosbag2 and people write them, each with the name that must be read.
 const FILES: [(&str, &str); 5] = [
     ("a_0.db3", "a_0.db3"),
     ("old/a_1.db3", "a_1.db3"),
@@ -16,11 +16,11 @@ const FILES: [(&str, &str); 5] = [
     ("../ä.mcap.zstd", "ä.mcap.zstd"),
 ];
 
-/// Values of keys that don't matter for a check.
+/// Values of keys that a check ignores.
 const OTHERS: [&str; 6] = ["7", "~", "{nanoseconds: 3, more: [a, {b: c}]}", "[]", "\"x: y\"", "!t &a v"];
 
 impl Choices<'_> {
-    /// A text in one of the quoting styles. `plain` is false if the text needs quotes.
+    /// A text in one of the quoting styles. `plain` is false if the text must be quoted.
     fn scalar(&mut self, text: &str, plain: bool) -> String {
         match (self.below(3), plain) {
             (0, true) => text.to_owned(),
@@ -30,7 +30,7 @@ impl Choices<'_> {
     }
 }
 
-/// A text, and the metadata in it.
+/// A text that the bytes select, and the metadata that it contains.
 fn written(data: &[u8]) -> (String, Metadata) {
     let mut choices = Choices::new(data);
     let unit = " ".repeat(choices.below(4) + 1);
@@ -99,8 +99,8 @@ fn topics(choices: &mut Choices<'_>, unit: &str, encodings: &mut BTreeMap<String
     if count == 0 { text + " []" } else { text }
 }
 
-/// Writes metadata in the styles that the bytes select, and reads it. The last two bytes can change the text. The
-/// result must not contain anything that isn't in the text.
+/// Writes metadata in the styles that the bytes select, and reads it. The last two bytes may corrupt the text. The
+/// result must contain nothing that isn't in the text.
 pub(super) fn grammar(data: &[u8]) {
     let (text, expected) = written(data);
     let read = Metadata::parse(text.as_bytes()).unwrap_or_else(|| panic!("unreadable: {text}"));

@@ -1,4 +1,4 @@
-//! User-supplied JSON Schemas that follow the grammar. Random bytes would rarely be a schema.
+//! User-supplied JSON Schemas that follow the grammar. Random bytes would rarely be a valid schema.
 
 use jsonschema::Draft;
 use serde_json::{Map, Value, json};
@@ -98,10 +98,10 @@ const DRAFTS: [Option<&str>; 6] = [
     Some("http://json-schema.org/draft-04/schema#"),
 ];
 
-/// The names of properties, which are also patterns.
+/// The names of properties. They are also used as patterns.
 const NAMES: [&str; 6] = ["lift", "ids", "at", "^l", "", "$ref"];
 
-/// The schema of a file that the bytes select.
+/// The content of a schema file. The bytes select it.
 fn written(data: &[u8]) -> Value {
     let mut choices = Choices::new(data);
     let draft = choices.of(&DRAFTS);
@@ -149,7 +149,7 @@ fn object(choices: &mut Choices<'_>, depth: usize) -> Map<String, Value> {
     keywords
 }
 
-/// Checks bodies with a schema of the grammar. The schema must accept the same bodies as the whole file.
+/// Checks bodies with a schema that follows the grammar. The schema must accept the same bodies as the whole file.
 pub(super) fn grammar(data: &[u8]) {
     let schema = written(data);
     let text = schema.to_string();

@@ -37,7 +37,7 @@ pub(super) fn sqlite_bag_seeds() -> Vec<Vec<u8>> {
     bags.iter().map(|bag| uavspec_test_captures::rosbag::Content::of_mcap(bag).to_bytes()).collect()
 }
 
-/// Reads the metadata of a bag. No file may be listed twice.
+/// Reads the metadata of a bag. No file may be listed twice in the result.
 pub(super) fn bag_metadata(data: &[u8]) {
     let Some(metadata) = Metadata::parse(data) else { return };
     let mut names = metadata.files.clone();
@@ -122,7 +122,7 @@ fn rendered(result: CaptureResult) -> (String, String) {
     (json, text)
 }
 
-/// Decompresses an input, as a whole and in pieces. Either both readings succeed, or both fail.
+/// Decompresses an input, as a whole and in pieces. Both must either succeed or fail.
 pub(super) fn compressed(data: &[u8]) {
     let read = |input: Box<dyn std::io::Read + Send>| {
         let (input, is_unchanged) = input::decompressed(input).ok()?;
@@ -137,7 +137,7 @@ pub(super) fn compressed(data: &[u8]) {
     }
 }
 
-/// Short flights in an encoding: one for each topic.
+/// A short flight for each topic, in this encoding.
 pub(super) fn flights(encoding: Encoding) -> Vec<Vec<u8>> {
     let flight = Flight::new(&DEFINITIONS);
     let short = |topic: usize| {

@@ -20,7 +20,7 @@ const SEED_CHANNELS: usize = 12;
 /// The release of the seeds.
 static SOURCE: LazyLock<Library> = LazyLock::new(|| release("px4@1.17"));
 
-/// The conversion to another release. Creating a plan takes longer than converting an input.
+/// The plan for the conversion to another release. Creating a plan takes longer than converting an input.
 static PLAN: LazyLock<Plan> = LazyLock::new(|| {
     let source = Arc::clone(SOURCE.base());
     valid(Plan::new(source, &Library::built_in(), &release("px4@1.16"), None))
@@ -34,7 +34,8 @@ fn valid<T>(result: Result<T, Failure>) -> T {
     result.unwrap_or_else(|failure| panic!("{failure}"))
 }
 
-/// Converts an MCAP file. The output is readable, and contains all messages that the report doesn't leave out.
+/// Converts an MCAP file. The output must be readable, and must contain all messages except those that the report lists
+/// as left out.
 pub(super) fn mcap(data: &[u8]) {
     if !data.starts_with(&MCAP_MAGIC) {
         return;

@@ -19,7 +19,8 @@ use uavspec_schema::{Form, PackageInput, Schema, read};
 
 use self::replay::{Edit, replay};
 
-/// Reads a text that follows the grammar of `uavspec.toml`, like [`configuration`]. A valid file has a plan with all packages.
+/// Reads a text that follows the grammar of `uavspec.toml`, like [`configuration`]. For a valid file, the plan must
+/// contain all packages.
 pub(super) fn configuration_grammar(data: &[u8]) {
     let text = configuration::text(data);
     configuration(text.as_bytes());
@@ -39,7 +40,7 @@ pub(super) fn configuration(data: &[u8]) {
     assert!(line.is_none_or(|line: usize| (1..=lines).contains(&line)), "{lines} lines: {failure}");
 }
 
-/// Reads a translation catalogue. A catalogue without problems must stay the same if it is printed and read again.
+/// Reads a translation catalogue. If it has no problems, printing it and reading it again must not change it.
 pub(super) fn translations(data: &[u8]) {
     let Some((read, is_correct)) = read_catalogue(data.to_vec()) else { return };
     if !is_correct {
@@ -50,7 +51,7 @@ pub(super) fn translations(data: &[u8]) {
     assert_eq!(again, Some((read, true)), "{printed}");
 }
 
-/// The catalogue, and true if it has no problems.
+/// The catalogue, and a flag that is true if it has no problems.
 fn read_catalogue(data: Vec<u8>) -> Option<(catalogue::Catalogue, bool)> {
     let mut sources = SourceMap::default();
     let id = sources.add("uk.po", data).ok()?;
@@ -62,7 +63,7 @@ fn read_catalogue(data: Vec<u8>) -> Option<(catalogue::Catalogue, bool)> {
     Some((read, diagnostics.is_empty()))
 }
 
-/// The definitions that fuzzed hints convert.
+/// The definitions that are converted with fuzzed hints.
 const CONVERTED: [(&str, &str); 4] = [
     (
         "old",
@@ -109,7 +110,7 @@ pub(super) fn hints_grammar(data: &[u8]) {
     hints(hints::text(data).as_bytes());
 }
 
-/// Converts the initial message of each decided conversion. The result must have the type of the target.
+/// Converts the initial message of each conversion that is fully decided. The result must have the target's type.
 fn convert(schema: &Schema, conversions: &[Conversions]) {
     let types = Types::new(schema);
     for found in conversions.iter().flat_map(|found| found.forward.iter().chain(&found.backward)) {
@@ -121,7 +122,7 @@ fn convert(schema: &Schema, conversions: &[Conversions]) {
     }
 }
 
-/// Texts that an editor inserts. The byte of an edit selects one, so a few bytes cover much of the language.
+/// Texts that an editor inserts. One byte of an edit selects the text, so a few bytes cover much of the language.
 const INSERTED: [&str; 25] = [
     "",
     "#",
@@ -164,8 +165,8 @@ const EDITED: [(&str, &str); 4] = [
     ),
 ];
 
-/// Replays edits of documents in the language server. Four bytes are an edit: the document and the text, the line, the
-/// column, and the length of the replaced text.
+/// Replays edits of documents in the language server. Each edit consists of four bytes: the document and the text, the
+/// line, the column, and the length of the replaced text.
 pub(super) fn edits(data: &[u8]) {
     let position = |line: u8, character: u8| Position { line: line.into(), character: character.into() };
     let edit = |bytes: &[u8]| Edit {
@@ -176,17 +177,17 @@ pub(super) fn edits(data: &[u8]) {
         ],
         text: INSERTED[usize::from(bytes[0] & 63) % INSERTED.len()],
     };
-    // An edit reads all documents, so a few are enough.
+    // For each edit, all documents are read, so only a few edits are used.
     let edits: Vec<Edit<'_>> = data.chunks_exact(4).take(32).map(edit).collect();
     replay(&EDITED, &edits);
 }
 
-/// A span must be within its source, and must not split a character.
+/// Asserts that a span is within its source, and doesn't split a character.
 fn check_span(sources: &SourceMap, span: Span) {
     assert!(sources.contains(span), "{span:?}");
 }
 
-/// Edits of documents. Four bytes are an edit.
+/// Edits of documents. Each edit consists of four bytes.
 pub(super) fn edit_seeds() -> Vec<Vec<u8>> {
     let steps = (0..4_u8)
         .flat_map(|document| (0..24_u8).map(move |text| [document << 6 | text, text % 6, text, text % 64]));

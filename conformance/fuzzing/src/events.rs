@@ -7,10 +7,11 @@ use uavspec_px4::event::{EventMetadata, RawEvent};
 use uavspec_runtime::event::{MAX_ARGUMENTS_SIZE, Profile};
 use uavspec_test_support::{Writer, xz};
 
-/// The maximum length of a text that is shown, in bytes: 4 KiB and an ellipsis.
+/// The maximum length of a displayed text, in bytes: 4 KiB and an ellipsis.
 const MAX_TEXT: usize = (4 << 10) + 3;
 
-/// Reads event metadata, and decodes each event with the first bytes as its arguments. The texts must be short.
+/// Reads event metadata, and decodes each event, with the first bytes as its arguments. The resulting texts must be
+/// short.
 pub(super) fn metadata(data: &[u8]) {
     let (arguments, data) = data.split_at(data.len().min(MAX_ARGUMENTS_SIZE));
     let Ok((metadata, _)) = EventMetadata::of_capture(data) else { return };

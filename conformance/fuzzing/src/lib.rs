@@ -1,5 +1,5 @@
 //! The fuzz targets of this crate: one function for each kind of input. A function reads arbitrary bytes, and panics if
-//! a property does not hold. `cargo xtask fuzz` runs the functions.
+//! a property doesn't hold. `cargo xtask fuzz` runs the functions.
 
 mod bag_metadata;
 #[cfg(feature = "schemas")]
@@ -31,7 +31,7 @@ pub struct Target {
     pub name: &'static str,
     /// Checks an input.
     pub check: fn(&[u8]),
-    /// Creates the inputs that a first run starts from.
+    /// Creates the inputs with which a first run starts.
     pub seeds: fn() -> Vec<Vec<u8>>,
 }
 
@@ -95,7 +95,7 @@ static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in)
 /// The definitions of all releases.
 static LIBRARY: LazyLock<Library> = LazyLock::new(Library::built_in);
 
-/// Choices that depend on bytes. Without bytes, the first option is chosen.
+/// Makes choices that depend on bytes. When no bytes are left, it chooses the first option.
 struct Choices<'b>(std::slice::Iter<'b, u8>);
 
 impl<'b> Choices<'b> {
@@ -113,12 +113,12 @@ impl<'b> Choices<'b> {
     }
 }
 
-/// Bytes that make all choices.
+/// Inputs for grammars: constant, ascending and descending bytes.
 fn choices() -> Vec<Vec<u8>> {
     vec![vec![1; 60], (0..=255).collect(), (0..=120).rev().collect()]
 }
 
-/// A reader that returns a few bytes at a time. The lengths vary.
+/// A reader that returns a few bytes at a time, in varying numbers.
 struct Pieces {
     bytes: Cursor<Vec<u8>>,
     length: usize,
@@ -144,10 +144,10 @@ mod tests {
 
     use super::TARGETS;
 
-    /// Each target accepts its seeds, and changed seeds.
+    /// Each target accepts its seeds, and mutated seeds.
     #[test]
     fn the_properties_of_each_input_hold_for_seeds_and_mutants() {
-        // The step of quick mode omits the conversion, which takes long to prepare.
+        // In quick mode, the step skips the conversion, which takes long to prepare.
         for target in TARGETS.iter().skip(extent(0, 1)).step_by(extent(1, 3)) {
             let seeds = (target.seeds)();
             assert!(!seeds.is_empty(), "{} has no seeds", target.name);

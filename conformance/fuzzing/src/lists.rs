@@ -8,10 +8,11 @@ use uavspec_schema::finding::Finding;
 
 use super::definitions::grammar::{self, Table};
 
-/// The day of all runs.
+/// The date on which all runs take place.
 const TODAY: Date = Date { year: 2026, month: 5, day: 9 };
 
-/// Reads a list. Each mistake must be within the list, and an updated list must be valid and have nothing left to fix.
+/// Reads a baseline. Each reported mistake must be within the baseline. An updated baseline must be valid, and have
+/// nothing left to fix.
 pub(super) fn baseline(data: &[u8]) {
     let lists = match Lists::parse([("known.toml".to_owned(), data.to_vec())], &rule_ids()) {
         Ok(lists) => lists,
@@ -40,7 +41,7 @@ pub(super) fn baseline(data: &[u8]) {
         };
         let mut found = stale(&lists);
         let mut fixed = update(&lists, &found);
-        // A removed entry may leave its findings to an entry with a count.
+        // If an entry is removed, its findings may count for an entry with a count.
         for _ in 0..data.len() {
             found = stale(&fixed);
             if found.is_empty() {
@@ -53,7 +54,7 @@ pub(super) fn baseline(data: &[u8]) {
     }
 }
 
-/// A key of an entry, with values. The first value is valid.
+/// A key of an entry, with its possible values. The first value is valid.
 type Key = (&'static str, &'static [&'static str]);
 
 const RULE: Key =
@@ -82,7 +83,7 @@ const EXPIRES: Key = (
 
 const MESSAGE: Key = ("message", &["\"/flaps\"", "\"/wings\"", "\"\"", "\"é𝄞\"", "7"]);
 
-/// Entries. The first ones are valid if all values are.
+/// Possible entries. The first entries are valid if all of their values are.
 const ENTRIES: [Table; 7] = [
     ("[[known]]", &[RULE, SUBJECT, COUNT, REASON]),
     ("# wind\n\n  [[known]]", &[RULE, REASON, EXPIRES, SUBJECT, FILE, LINK, MESSAGE]),
@@ -93,7 +94,7 @@ const ENTRIES: [Table; 7] = [
     ("[known]", &[CASE, REASON]),
 ];
 
-/// Reads a list that follows the grammar, like [`baseline`].
+/// Reads a baseline that follows the grammar, like [`baseline`].
 pub(super) fn grammar(data: &[u8]) {
     baseline(grammar::text(&ENTRIES, data).as_bytes());
 }
@@ -120,7 +121,7 @@ mod tests {
     #[test]
     fn the_first_values_of_the_grammar_are_valid() {
         for (at, (_, keys)) in (0..3).zip(ENTRIES) {
-            // The first byte selects the entry, and the others the first value of each key.
+            // The first byte selects the entry. The other bytes select the first value of each key.
             let mut data = vec![64; 1 + keys.len()];
             data[0] = at;
             let text = grammar::text(&ENTRIES, &data);

@@ -9,7 +9,7 @@ use uavspec_schema::terminal::shown;
 
 use super::DEFINITIONS;
 
-/// The message type of the schema, as in the name of its file.
+/// The message type of the schema, which is also the name of its file.
 pub(super) const TYPE: &str = "SOAR-INF";
 
 /// Bodies to check.
@@ -20,7 +20,7 @@ pub(super) const BODIES: [&str; 4] = [
     "[\"\\u0000\u{202e}\"]",
 ];
 
-/// Loads a schema, and checks bodies with it. A schema that can't be used must have an error message.
+/// Loads a schema, and checks bodies with it. A schema that can't be used must result in an error message.
 pub(super) fn body_schema(data: &[u8]) {
     let Some(schemas) = loaded(data) else { return };
     for body in BODIES {
@@ -33,7 +33,8 @@ pub(super) fn body_schema(data: &[u8]) {
     }
 }
 
-/// The schemas of a folder with this file. The message for a schema that can't be used is safe to print.
+/// Loads a folder that contains a schema file with these bytes. Returns `None` if the schema can't be used. The error
+/// message must be safe to print.
 pub(super) fn loaded(data: &[u8]) -> Option<Schemas> {
     let folder = tempfile::tempdir().unwrap_or_else(|error| panic!("{error}"));
     let path = folder.path().join(format!("{TYPE}.json"));

@@ -17,7 +17,7 @@ const SEPARATOR: u8 = 0xff;
 /// The maximum length of a line, in bytes.
 const MAX_LINE: usize = 1 << 20;
 
-/// Sends lines to the server. The line splitter must find the same lines in pieces of a stream.
+/// Sends lines to the server. The line splitter must find the same lines if the stream arrives in pieces.
 pub(super) fn tcp(data: &[u8]) {
     let whole = lines(&mut &data[..]);
     assert_eq!(lines(&mut Pieces::new(data)), whole);
@@ -26,7 +26,7 @@ pub(super) fn tcp(data: &[u8]) {
     exchange(whole.iter().map(Vec::as_slice), false);
 }
 
-/// The lines of a stream.
+/// Splits a stream into lines.
 fn lines(stream: &mut dyn std::io::Read) -> Vec<Vec<u8>> {
     let (mut lines, mut found, mut piece) = (Lines::new(MAX_LINE), Vec::new(), [0; 1 << 10]);
     while let Ok(length @ 1..) = stream.read(&mut piece) {
@@ -55,7 +55,7 @@ fn exchange<'m>(messages: impl Iterator<Item = &'m [u8]>, is_datagram: bool) {
         let content = match text {
             // A line end between JSON tokens is insignificant.
             Some(text) => format!("\"msg\":{}", text.replace(['\n', '\r'], " ")),
-            // The line end shows that no later line continues the text.
+            // The line end ensures that no later line continues the text.
             None => format!("\"raw\":{}", json!(format!("{}{end}", String::from_utf8_lossy(&record.bytes)))),
         };
         let direction = if record.side == Side::Server { "in" } else { "out" };

@@ -11,7 +11,7 @@ use uavspec_schema::terminal::shown;
 
 use super::{DEFINITIONS, Pieces};
 
-/// The cases that responses may answer: a few of each operation.
+/// The cases to which responses may belong: a few for each operation.
 static CASES: LazyLock<Vec<Case>> = LazyLock::new(|| {
     let mut cases = cases(&DEFINITIONS, DEFINITIONS.types());
     cases.retain(|case| ["px4/Event", "px4/BatteryStatus"].contains(&case.type_name.as_str()));
@@ -19,7 +19,7 @@ static CASES: LazyLock<Vec<Case>> = LazyLock::new(|| {
     cases
 });
 
-/// Checks a file of responses, as a whole and in pieces.
+/// Checks a file with responses, as a whole and in pieces.
 pub(super) fn answers(data: &[u8]) {
     let selected: Vec<usize> = (0..CASES.len()).collect();
     let whole = replay(&CASES, &selected, DEFINITIONS.types(), &mut &data[..]);
@@ -46,7 +46,7 @@ fn verdicts<'o>(outcome: &'o Outcome<'_>) -> Vec<&'o Verdict> {
     outcome.verdicts.iter().map(|(_, verdict)| verdict).collect()
 }
 
-/// True if a case has no response, or a response that reports no result.
+/// True if a case has no response, or its response contains no result.
 fn is_silent(verdict: &Verdict) -> bool {
     matches!(verdict, Verdict::Unsupported | Verdict::NotRun)
 }

@@ -31,7 +31,7 @@ fn requests(stream: &mut dyn Read) -> Vec<Incoming> {
         requests.feed(&piece[..length]);
         while let Some(incoming) = requests.take() {
             let is_refused = matches!(incoming, Incoming::Refused(_));
-            // A client that waits for a confirmation is only noticed if the body hasn't arrived yet.
+            // A client that waits for a confirmation is noticed only if the body hasn't arrived yet.
             if incoming != Incoming::Expectation {
                 all.push(incoming);
             }
@@ -43,7 +43,7 @@ fn requests(stream: &mut dyn Read) -> Vec<Incoming> {
     all
 }
 
-/// Reads WebSocket frames, as a whole and in pieces. The first byte selects the side.
+/// Reads WebSocket frames, as a whole and in pieces. The first byte selects the role: client or server.
 pub(super) fn web_socket(data: &[u8]) {
     let Some((first, data)) = data.split_first() else { return };
     let role = if first % 2 == 0 { Role::Server } else { Role::Client };
@@ -58,7 +58,7 @@ pub(super) fn web_socket(data: &[u8]) {
     }
 }
 
-/// The WebSocket messages until the first error.
+/// Reads WebSocket messages until the first error.
 fn messages(input: impl Read, role: Role) -> Vec<Message> {
     let limit = MESSAGE_LIMIT + 1024;
     let config = WebSocketConfig::default().max_message_size(Some(limit)).max_frame_size(Some(limit));
@@ -89,8 +89,7 @@ impl<R> Write for Duplex<R> {
     }
 }
 
-/// Decodes the payload of a poll. Packets that are encoded again must stay the same. The first byte selects the
-/// revision.
+/// Decodes the payload of a poll. Encoding the packets again must not change them. The first byte selects the revision.
 pub(super) fn socket_io(data: &[u8]) {
     let Some((first, data)) = data.split_first() else { return };
     let revision = if first % 2 == 0 { Revision::Three } else { Revision::Four };
@@ -106,7 +105,7 @@ pub(super) fn socket_io(data: &[u8]) {
     }
 }
 
-/// Parses a packet. A Flockwave message must be JSON, and must stay the same in a new packet.
+/// Parses a packet. A Flockwave message must be JSON, and must be the same after it is written to a new packet.
 fn packet(text: &str) {
     let Some(packet) = Packet::parse(text) else { return };
     assert_eq!(packet.to_text(), text);
@@ -116,12 +115,12 @@ fn packet(text: &str) {
     if let Some(socketio::Packet::Message { text, .. }) = socketio::Packet::parse(&packet.data) {
         let again = socketio::Packet::parse(&socketio::message(&text));
         assert_eq!(again, Some(socketio::Packet::Message { text: text.clone(), receipt: None }));
-        // A deeper value isn't a message, but is passed on.
+        // A value that is nested more deeply isn't a message, but is still passed on.
         assert!(Tree::read(&text).is_ok() || text.len() > 100, "{text}");
     }
 }
 
-/// Parses a URL. The printed form must lead to the same endpoint, except for the query.
+/// Parses a URL. Parsing its printed form must result in the same endpoint, except for the query.
 pub(super) fn endpoint(data: &[u8]) {
     let Some(endpoint) = std::str::from_utf8(data).ok().and_then(|text| text.parse::<Endpoint>().ok()) else {
         return;
@@ -142,7 +141,7 @@ pub(super) fn http_seeds() -> Vec<Vec<u8>> {
 
 pub(super) fn web_socket_seeds() -> Vec<Vec<u8>> {
     let message = b"42[\"fw\",{}]";
-    // A client masks its frames. This mask is zero.
+    // A client masks its frames. The mask is zero here.
     let mut masked = vec![0, 0x81, 0x80 | 0xb, 0, 0, 0, 0];
     masked.extend(message);
     let mut plain = vec![1, 0x81, 11];

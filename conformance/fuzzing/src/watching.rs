@@ -1,4 +1,4 @@
-//! The target for datagrams and other messages from a server, as `watch` reads them.
+//! The target for datagrams and other messages from a server that `watch` reads.
 
 use std::sync::LazyLock;
 use std::time::Duration;

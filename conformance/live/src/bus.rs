@@ -27,11 +27,11 @@ use uavspec_model::{Endpoint, Qos};
 pub use self::address::{Address, Scheme};
 use crate::limits::MAX_ENDPOINTS;
 
-/// Connects to a bus. `peers` are IP addresses of computers that multicast doesn't reach. `names` are topics to receive
-/// from a bus that can't list its topics.
+/// Connects to a bus. `peers` are IP addresses of computers that multicast doesn't reach. `names` are the topics to
+/// receive from a bus that can't list its topics.
 ///
 /// # Errors
-/// Fails if there is no connection within a few seconds. The text names the problem, and the way to correct it.
+/// Fails if no connection is established within a few seconds. The error names the problem and a remedy.
 pub fn connect(address: &Address, peers: &[IpAddr], names: &[String]) -> Result<Box<dyn Bus>, String> {
     // Only DDS has peers.
     let _ = peers;
@@ -58,30 +58,30 @@ pub fn connect(address: &Address, peers: &[IpAddr], names: &[String]) -> Result<
 
 /// A connection to a bus.
 pub trait Bus {
-    /// The next event. Waits until the deadline if there is none.
+    /// The next event, if there is one before the deadline. Waits for it if necessary.
     fn receive(&mut self, deadline: Instant) -> Option<Event>;
 
-    /// Receives the messages of a topic from now on. `qos` is the requested quality of service. Does nothing if the topic
-    /// is already subscribed. An error describes the problem.
+    /// Receives the messages of a topic from now on. `qos` is the requested quality of service. Does nothing if the
+    /// topic is already subscribed. The error describes the problem.
     fn subscribe(&mut self, topic: &Topic, qos: &Qos) -> Result<(), String>;
 
-    /// Prepares to publish on a topic. An error describes the problem.
+    /// Prepares to publish on a topic. The error describes the problem.
     fn advertise(&mut self, topic: &Topic, qos: &Qos) -> Result<Publisher, String>;
 
-    /// Publishes a message in CDR, including the encapsulation header. An error describes the problem.
+    /// Publishes a message in CDR, including the encapsulation header. The error describes the problem.
     fn publish(&mut self, publisher: Publisher, payload: &[u8]) -> Result<(), String>;
 
-    /// The clock of deadlines and messages.
+    /// The clock for deadlines and message times.
     fn clock(&self) -> Clock {
         Clock::real()
     }
 
-    /// The losses that [`receive`](Self::receive) didn't return before the caller stopped receiving.
+    /// The losses that [`receive`](Self::receive) hadn't returned when the caller stopped receiving.
     fn remaining_losses(&mut self) -> Vec<Event> {
         Vec::new()
     }
 
-    /// True if a publisher and a subscriber exchange messages only if their quality of service is compatible.
+    /// True if a publisher and a subscriber exchange messages only if their quality-of-service settings are compatible.
     fn is_matched_by_qos(&self) -> bool {
         false
     }
@@ -140,7 +140,8 @@ pub struct Schema {
 }
 
 impl Hash for Schema {
-    /// The recorder looks up the schema of each message, so the text isn't read.
+    /// Hashes the encoding and the length of the text. The text isn't hashed, because the recorder looks up the schema
+    /// of each message.
     fn hash<H: Hasher>(&self, state: &mut H) {
         (&self.encoding, self.text.len()).hash(state);
     }
@@ -155,19 +156,19 @@ pub enum Event {
     Ended(String),
     /// A message.
     Message(Received),
-    /// Messages of a topic are missing: they were lost on the way, or arrived faster than they were read.
+    /// Messages of a topic were lost on the way, or were dropped because they arrived faster than they were read.
     Lost {
         /// The topic.
         topic: Arc<str>,
         /// The number of messages.
         count: u64,
     },
-    /// Data that isn't received or can't be read. The text names the data, the problem and its origin.
+    /// Data that isn't received or can't be read. The text states the data, the problem and the origin.
     Unreadable(String),
-    /// A remark about the bus, such as an invalid announcement. No message is missing. The text names the problem and its
-    /// origin.
+    /// A remark about the bus, such as an invalid announcement. No message is missing. The text states the problem and
+    /// its origin.
     Problem(String),
-    /// The connection ended. The text is the reason. No event follows.
+    /// The connection ended for this reason. No event follows.
     Closed(String),
 }
 
@@ -184,7 +185,7 @@ pub struct Received {
     pub time: u64,
     /// The message.
     pub payload: Vec<u8>,
-    /// True if this program sent it, in a role.
+    /// True if this program sent the message, in a role.
     pub is_own: bool,
 }
 

@@ -1,5 +1,5 @@
-//! Live vehicles and servers. Input: the messages of a [bus]. Output: a recorded bag, findings and [displays](watch). A
-//! program can also take a [role](vehicle) in PX4's arming checks.
+//! Live vehicles and servers. The input is the messages of a [bus]. The output is a recorded bag, findings and
+//! [displays](watch). A program can also take a [role](vehicle) in PX4's arming checks.
 //!
 //! ```
 //! use uavspec_live::bus::Address;

@@ -1,11 +1,12 @@
-//! The limits on what this crate reads and stores. They bound the time and the memory that hostile input takes.
+//! The limits on the amount of data that this crate reads and stores. They bound the time and the memory that hostile
+//! input can use.
 
 // Buses.
 
 /// The maximum number of endpoints that a bus reports.
 pub(crate) const MAX_ENDPOINTS: usize = 10_000;
 
-/// The maximum number of different problems of a bus, of each kind.
+/// The maximum number of distinct problems of each kind that are reported for a bus.
 pub(crate) const MAX_PROBLEMS: usize = 256;
 
 /// The maximum size of all schemas from a Foxglove server, in bytes.
@@ -30,7 +31,7 @@ pub(crate) const MAX_UAVS: usize = 10_000;
 /// The maximum number of error codes of a UAV.
 pub(crate) const MAX_CODES: usize = 64;
 
-/// The maximum number of values in another list of a UAV.
+/// The maximum number of values in each other list of a UAV.
 pub(crate) const MAX_VALUES: usize = 16;
 
 /// The maximum number of unknown fields of a UAV.

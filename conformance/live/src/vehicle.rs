@@ -5,11 +5,11 @@
 //!                     └──────record──▶ checker ──▶ findings
 //! ```
 //!
-//! The probe records all events as a bag, and checks each record of the bag when it is written. A later
-//! [`check`](uavspec_check) of the recording returns the same findings.
+//! The probe records all events as a bag, and checks each record when it is written. A later [`check`](uavspec_check)
+//! of the recording returns the same findings.
 //!
-//! A probe publishes nothing, unless it has a role: the flight controller or an external component, which take part in
-//! arming checks, or an application, which asks for definitions. The messages of a role are recorded as well.
+//! A probe publishes nothing, unless it has a role. The flight controller and the external component take part in
+//! arming checks. The application asks for definitions. The messages of a role are recorded as well.
 
 mod actor;
 mod autopilot;
@@ -52,10 +52,10 @@ pub use self::temporary::remove_recordings;
 use crate::bus::{Bus, Event, Topic};
 use crate::limits::{MAX_ENDPOINTS, MAX_RECORDING};
 
-/// The time after which the release of the vehicle is chosen. Publishers are discovered until then.
+/// The time from the start of a probe until it chooses the vehicle's release. Publishers are discovered in this time.
 const START: Duration = Duration::from_millis(1_500);
 
-/// The maximum time until the probe or a reference notices that it was asked to stop.
+/// The maximum time until a probe or a reference notices that it has been asked to stop.
 const NOTICE_TIME: Duration = Duration::from_millis(50);
 
 /// The maximum number of notes. Further notes are only counted.
@@ -65,16 +65,16 @@ const MAX_NOTES: usize = 50;
 pub struct Options {
     /// The time to listen.
     pub time: Duration,
-    /// The topics to receive; all if there are none.
+    /// The topics to receive. `None` if all topics are received.
     pub topics: Option<GlobSet>,
     /// The role of the probe. `None` if it publishes nothing.
     pub role: Option<Side>,
     /// The namespace of the vehicle, for the roles. `None` if there is only one vehicle.
     pub namespace: Option<Namespace>,
-    /// The types of an application that are compared with the types of the flight controller, if there is an
+    /// The types of an application, which are compared with the types of the flight controller. `None` if there is no
     /// application.
     pub application: Option<Vec<ApplicationType>>,
-    /// The file of the recording.
+    /// The file to which the messages are recorded.
     pub record: Option<PathBuf>,
     /// Returns true if the probe must end early.
     pub is_stopped: Box<dyn Fn() -> bool>,
@@ -94,7 +94,7 @@ pub struct Progress {
 }
 
 impl Options {
-    /// Listens to all topics for a time, without a role.
+    /// The options to listen to all topics for a time, without a role.
     pub fn new(time: Duration) -> Self {
         Self {
             time,
@@ -108,7 +108,7 @@ impl Options {
     }
 }
 
-/// Listens to a bus, and checks all messages. Returns the findings, with the definitions that were used.
+/// Listens to a bus, and checks all messages. Returns the findings, and the definitions that were used.
 ///
 /// # Errors
 /// Fails if the recording can't be written or read.
@@ -143,7 +143,7 @@ pub fn probe(
         recorder.cut_short(&reason)?;
     }
     let result = recorder.finish()?;
-    // If topics that appeared later show another release, the recording is checked again.
+    // If topics that appeared later indicate another release, the recording is checked again.
     let is_same = Arc::ptr_eq(&choose_for_path(&path, library)?, definitions);
     match result.filter(|_| is_same) {
         Some(result) => Ok(Checked { result, definitions: Arc::clone(definitions) }),
@@ -155,7 +155,7 @@ pub fn probe(
 /// ended, if it ended early.
 ///
 /// # Errors
-/// Fails if the temporary file, which indicates the release, can't be written or read.
+/// Fails if the temporary file that is used to find the release can't be written or read.
 pub(crate) fn observe(
     bus: &mut dyn Bus,
     library: &Library,
@@ -194,7 +194,7 @@ struct Probe<'p> {
     options: &'p Options,
     recorder: Recorder<'p>,
     actors: Vec<Actor>,
-    /// The endpoints that exist before the roles join, by id. `None` if no role joins any more.
+    /// The endpoints that were discovered before the roles join, by id. `None` once no further role can join.
     endpoints: Option<BTreeMap<String, Endpoint>>,
     clock: Clock,
     started: Instant,
@@ -202,7 +202,7 @@ struct Probe<'p> {
     progress: Progress,
     on_progress: &'p dyn Fn(&Progress),
     on_event: &'p dyn Fn(&Event),
-    /// True if the maximum number of topics was reported.
+    /// True if the maximum number of topics has been reported.
     is_full: bool,
     notes: Vec<String>,
     /// The number of notes beyond the maximum.
@@ -252,7 +252,8 @@ impl<'p> Probe<'p> {
         let mut live = LiveBag::new(definitions, observer);
         let mut reader = Reader::new(File::open(&self.recorder.path)?);
         while let Some(item) = reader.next()? {
-            // The file has no end yet. Its attachment is event metadata, which the library contains as well.
+            // The file isn't complete yet. If it has an attachment, this is event metadata that the library contains as
+            // well.
             if !matches!(item.event, McapEvent::Problem(_) | McapEvent::Attachment { .. }) {
                 live.record(item.event);
             }
@@ -285,7 +286,7 @@ impl<'p> Probe<'p> {
         Ok(())
     }
 
-    /// Announces the topics of a role. `known` are the endpoints of others.
+    /// Announces the topics of a role. `known` contains the endpoints of others.
     fn join(&mut self, role: Box<dyn Role>, release: &Arc<Release>, known: &[Endpoint]) -> io::Result<()> {
         match Actor::join(self.bus, role, Arc::clone(release), None) {
             Ok((mut actor, endpoints)) => {
@@ -300,7 +301,7 @@ impl<'p> Probe<'p> {
         }
     }
 
-    /// Records events until the release of the vehicle can be chosen. The roles then join in this release.
+    /// Records events until the release of the vehicle can be chosen. The roles then join, using this release.
     fn start(&mut self, library: &Library) -> io::Result<Arc<Definitions>> {
         self.listen(START.min(self.options.time))?;
         self.recorder.flush()?;
@@ -310,7 +311,7 @@ impl<'p> Probe<'p> {
         Ok(definitions)
     }
 
-    /// Ends the roles. Returns their last messages.
+    /// Ends the roles, and returns their last messages.
     fn withdraw(&mut self) -> io::Result<Vec<Event>> {
         let mut actors = std::mem::take(&mut self.actors);
         let last = actors.iter_mut().flat_map(|actor| actor.leave(self.bus)).collect();
@@ -321,7 +322,7 @@ impl<'p> Probe<'p> {
         Ok(last)
     }
 
-    /// Records events until a time after the start.
+    /// Records events until this time after the start.
     fn listen(&mut self, until: Duration) -> io::Result<()> {
         let end = self.started + until;
         let mut shown = self.clock.now();
@@ -378,8 +379,8 @@ impl<'p> Probe<'p> {
         Ok(())
     }
 
-    /// Subscribes to the topic of a publisher if the user selected it. A later check of the recording reports refused topics
-    /// as well.
+    /// Subscribes to the topic of a publisher, if the user selected the topic. If the bus refuses the topic, this is
+    /// recorded, so a later check of the recording reports it as well.
     fn subscribe(&mut self, publisher: Endpoint) -> io::Result<()> {
         let is_selected = self.options.topics.as_ref().is_none_or(|topics| topics.is_match(&publisher.topic));
         let topic = Topic {
@@ -414,7 +415,7 @@ impl<'p> Probe<'p> {
         }
     }
 
-    /// Writes a note to the recording, once.
+    /// Writes a note to the recording, unless it has already been written.
     fn note(&mut self, text: String) -> io::Result<()> {
         if self.notes.contains(&text) {
             return Ok(());

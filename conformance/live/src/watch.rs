@@ -8,7 +8,7 @@
 //!                     fleet ──▶ view, list        known states, and their display
 //! ```
 //!
-//! Servers are not trusted. A [`message`] keeps only the data that the display needs, and a fleet has at most
+//! Servers aren't trusted. A [`message`] contains only the data that the display needs, and a fleet has at most
 //! `MAX_UAVS` UAVs. All text from a server is escaped before it is shown.
 
 pub mod codes;

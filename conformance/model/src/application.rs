@@ -1,11 +1,11 @@
-//! The definitions with which an application was built.
+//! The PX4 message types that an application was built with.
 
 use std::collections::BTreeMap;
 
 use uavspec_schema::fingerprint::{hashed_text, ros_name};
 use uavspec_schema::{Message, Schema};
 
-/// A message type of PX4 in an application.
+/// A PX4 message type that an application was built with.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ApplicationType {
     /// The full ROS name: `px4_msgs/msg/VehicleStatus`.
@@ -38,7 +38,7 @@ impl ApplicationType {
         messages.map(|message| Self::new(schema, message)).collect()
     }
 
-    /// The values of the type for a recording.
+    /// Converts the type to key-value pairs, to be stored in a recording.
     pub fn to_values(&self) -> BTreeMap<String, String> {
         let Self { name, topics, version, hash, fields } = self;
         let mut values = BTreeMap::from([
@@ -51,7 +51,7 @@ impl ApplicationType {
         values
     }
 
-    /// Reads the values of a recording. `None` if a required value is missing or invalid.
+    /// Parses the key-value pairs from a recording. `None` if a required value is missing or invalid.
     pub fn from_values(values: &BTreeMap<String, String>) -> Option<Self> {
         let version = values.get("version").map(|version| version.parse()).transpose().ok()?;
         Some(Self {

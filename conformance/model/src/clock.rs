@@ -1,4 +1,4 @@
-//! The time by which everything waits: real time for users, and simulated time for tests and for the self-test.
+//! The clock for all waits. It runs in real time for users, and in simulated time for tests and for the self-test.
 //!
 //! Simulated time takes no real time, and results don't depend on the speed of the computer: one thread runs at a time,
 //! and time passes only when all threads wait.
@@ -21,10 +21,10 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use self::simulation::Participant;
 
-/// The maximum wait without a time limit, about a year. Conditions are then checked again.
+/// The length of a single wait if there is no time limit, about a year. After it, the condition is checked again.
 const LONG: Duration = Duration::from_secs(1 << 25);
 
-/// A source of time. Clones are for the same thread; [`spawn`](Self::spawn) passes a clock to another thread.
+/// A source of time. Use clones only in the same thread. [`spawn`](Self::spawn) creates a clock for another thread.
 #[derive(Clone, Debug, Default)]
 pub struct Clock(Option<Arc<Participant>>);
 
@@ -36,8 +36,8 @@ impl Clock {
         Self(None)
     }
 
-    /// A clock whose time passes only while its threads wait. Each call returns a separate time, which the calling
-    /// thread is the first to use.
+    /// Starts a simulation, in which time passes only while all its threads wait. Returns the clock of the calling
+    /// thread, which is the first thread of the simulation.
     #[must_use]
     pub fn simulated() -> Self {
         Self(Some(Arc::new(Participant::first())))
@@ -98,8 +98,8 @@ impl Clock {
         }
     }
 
-    /// Waits while a condition on shared data holds; until a time, if there is one. Other threads announce changes to
-    /// `changed`.
+    /// Waits until a condition on shared data no longer holds, or until the time limit, if there is one. Other threads
+    /// must notify `changed` after they change the data.
     pub fn wait_while<'m, T>(
         &self,
         (shared, changed): (&'m Mutex<T>, &Condvar),
@@ -123,10 +123,10 @@ impl Clock {
         guard
     }
 
-    /// Receives from a channel.
+    /// Receives a value from a channel, and waits for it until a given time.
     ///
     /// # Errors
-    /// Fails if the time is over, or if all senders are gone.
+    /// Fails if no value arrives in time, or if all senders have been dropped.
     pub fn receive<T>(&self, channel: &Receiver<T>, until: Instant) -> Result<T, RecvTimeoutError> {
         let Some(participant) = &self.0 else { return channel.recv_timeout(self.left(until)) };
         let received = participant.wait(until, || match channel.try_recv() {
@@ -137,7 +137,7 @@ impl Clock {
         received.unwrap_or(Err(RecvTimeoutError::Timeout))
     }
 
-    /// Runs a function in another thread, with a clock of the same time.
+    /// Runs a function in another thread, and passes it a clock that shows the same time.
     pub fn spawn<'s, T: Send + 's>(
         &self,
         scope: &'s Scope<'s, '_>,
@@ -155,7 +155,7 @@ impl Clock {
     }
 }
 
-/// A thread that waits by a clock. The thread that spawned it must [`join`](Self::join) it in simulated time.
+/// A thread that [`Clock::spawn`] started. In simulated time, the spawning thread must [`join`](Self::join) it.
 #[must_use]
 #[derive(Debug)]
 pub struct Task<'s, T> {
@@ -178,7 +178,8 @@ impl<T> Task<'_, T> {
 }
 
 impl<T> Drop for Task<'_, T> {
-    /// If the spawner panics, its scope waits for the thread, so the thread must not wait for the spawner.
+    /// Removes the spawner from the simulation if it panics. The spawner's scope then waits for this thread, so this
+    /// thread must not wait for the spawner.
     fn drop(&mut self) {
         if let Some((spawner, _)) = self.simulated.as_ref().filter(|_| thread::panicking()) {
             spawner.leave();

@@ -37,7 +37,7 @@ pub struct Detail {
     pub connection: String,
     /// The request to which the record belongs, shortened; may be empty.
     pub request: String,
-    /// The rule or the message type whose requests show the finding again in a probe; may be empty.
+    /// The rule or message type whose requests reproduce the finding if a probe sends only them; may be empty.
     pub only: String,
     /// True if the specification contradicts itself about this case. False if the contradiction concerns all cases of
     /// the rule.

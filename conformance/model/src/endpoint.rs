@@ -27,7 +27,7 @@ pub struct Endpoint {
     pub is_matched_by_qos: bool,
 }
 
-/// The start of the ids of this program's endpoints.
+/// The prefix of the ids of this program's endpoints.
 const OWN: &str = "uavspec ";
 
 impl Endpoint {
@@ -75,7 +75,7 @@ pub struct Qos {
     pub reliability: Reliability,
     /// The durability.
     pub durability: Durability,
-    /// The number of stored messages; `None` if it isn't announced.
+    /// The messages that the endpoint stores; `None` if this isn't announced.
     pub history: Option<History>,
     /// The maximum time between messages; `None` if it is unlimited.
     pub deadline: Option<Duration>,
@@ -157,7 +157,7 @@ impl Qos {
     };
 }
 
-/// A value of a policy with a fixed name.
+/// A policy whose values have fixed names.
 trait Named: Copy + PartialEq + 'static {
     /// All values with their names.
     const NAMES: &'static [(Self, &'static str)];
@@ -257,7 +257,7 @@ impl fmt::Display for Qos {
 const SEPARATOR: char = '\n';
 
 impl Endpoint {
-    /// The values of the endpoint for a recording.
+    /// Converts the endpoint to key-value pairs, to be stored in a recording.
     pub fn to_values(&self) -> BTreeMap<String, String> {
         let Self { id, kind, node, topic, type_name, type_hash, qos, is_matched_by_qos } = self;
         let mut values = BTreeMap::new();
@@ -285,7 +285,7 @@ impl Endpoint {
         values
     }
 
-    /// Reads the values of a recording. `None` if a required value is missing or invalid.
+    /// Parses the key-value pairs from a recording. `None` if a required value is missing or invalid.
     pub fn from_values(values: &BTreeMap<String, String>) -> Option<Self> {
         let text = |key: &str| values.get(key).cloned();
         Some(Self {

@@ -267,7 +267,7 @@ impl Findings {
         }
     }
 
-    /// Changes the details of an earlier finding, if they are known.
+    /// Changes the details of an earlier finding, if it is one of its group's stored examples.
     pub fn amend(
         &mut self,
         rule: &Rule,
@@ -326,8 +326,8 @@ impl Findings {
         self.groups.get(&Key::new(rule, subject.into(), None)).is_some_and(Group::has_examples)
     }
 
-    /// Ends the comparison of the messages in a group, so that further findings are only counted. A baseline then can't
-    /// rely on a common start of all messages. Returns false if there is no such group.
+    /// Ends the comparison of the messages in a group, so that further findings are only counted. A baseline can then
+    /// no longer rely on a common prefix of all messages. Returns false if there is no such group.
     pub fn settle(&mut self, rule: &Rule, subject: SubjectName<'_>, definition: Option<Span>) -> bool {
         let group = self.groups.get_mut(&Key::new(rule, subject, definition));
         group.map(|group| group.compare(String::new())).is_some()
@@ -375,7 +375,7 @@ impl Findings {
         self.counts.iter().find(|(known, _)| std::ptr::eq(*known, rule)).map(|(_, counts)| counts)
     }
 
-    /// The counts of a rule, which start at zero.
+    /// The counts of a rule. They are created with zeros if the rule has none yet.
     fn counts_of(&mut self, rule: &'static Rule) -> &mut Counts {
         let at = self.counts.iter().position(|(known, _)| std::ptr::eq(*known, rule));
         let at = at.unwrap_or_else(|| {
@@ -455,7 +455,7 @@ mod tests {
         findings.groups().flat_map(Group::messages).collect()
     }
 
-    /// Texts are created for a limited number of findings.
+    /// The closure that creates the text runs only before the group is settled.
     #[test]
     fn findings_of_a_settled_group_are_only_counted() {
         let rule = &RULES[0];
@@ -472,7 +472,7 @@ mod tests {
         (0..10_000).for_each(|_| report(&mut findings));
         findings.count(rule, "glider.is_landed", None, 7);
         assert_eq!((described, findings.groups().map(|group| group.count).sum::<u64>()), (1, 10_011));
-        // No start is common to all messages, because some are unknown.
+        // The messages have no common prefix, because the messages of the counted findings are unknown.
         assert_eq!(messages_of(&findings), ["odd 2", "odd 3", "odd 4", ""]);
         assert!(!findings.settle(rule, "glider.mode".into(), None));
     }

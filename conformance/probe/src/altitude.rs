@@ -1,4 +1,4 @@
-//! Altitudes of UAVs, and the decision that a UAV is on the ground.
+//! Altitudes of UAVs, and how the probe decides that a UAV is on the ground.
 
 use std::time::{Duration, Instant};
 
@@ -7,12 +7,13 @@ use uavspec_types::flockwave::ErrorCode;
 
 use super::commanded::has_code;
 
-/// The height in mm above which a UAV is in the air, and the height below which it is on the ground. The altitude of a
+/// The height in mm above which a UAV is in the air, and below which it is on the ground. The reported altitude of a
 /// UAV on the ground varies.
 pub(super) const AIRBORNE: i64 = 1_500;
 const LANDED: i64 = 700;
 
-/// The time for which a UAV must be still, and the change in altitude, in mm, below which a UAV counts as still.
+/// The time for which a UAV must be still before it counts as landed, and the maximum change in altitude, in mm, of a
+/// UAV that is still.
 const STILL_TIME: Duration = Duration::from_secs(2);
 const STILL: u64 = 200;
 
@@ -41,11 +42,11 @@ impl Altitude {
     }
 }
 
-/// The altitude of a UAV before a flight, and the state of the flight.
+/// The altitude of a UAV before its flight, and the state of the flight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Flight {
     ground: Altitude,
-    /// True if the UAV was seen in the air.
+    /// True if the UAV has been in the air.
     was_in_air: bool,
 }
 
@@ -71,9 +72,9 @@ pub(super) fn height(flight: Option<&mut Flight>, status: &Value) -> Option<i64>
 /// The descent of a UAV after a command to land.
 #[derive(Debug, Default)]
 pub(super) struct Descent {
-    /// The greatest height in mm since the latest progress.
+    /// The greatest height since the UAV last descended, in mm.
     highest: Option<i64>,
-    /// The time of the latest progress. `None` if the UAV hasn't descended.
+    /// The time at which the UAV last descended. `None` if it hasn't descended.
     pub(super) progressed_at: Option<Instant>,
 }
 
@@ -91,16 +92,17 @@ impl Descent {
     }
 }
 
-/// Decides from consecutive states of a UAV that it is on the ground. A UAV that only passes this height, or that stopped
-/// reporting, isn't known to be on the ground.
+/// Decides from consecutive statuses of a UAV that it is on the ground. A UAV that passes through a low height, or that
+/// has stopped reporting, doesn't count as being on the ground.
 #[derive(Debug, Default)]
 pub(super) struct Touchdown {
-    /// The first state near the ground since which the UAV has been still.
+    /// The first status since which the UAV has been still near the ground: its time, its altitude in mm, and its
+    /// timestamp.
     since: Option<(Instant, i64, Value)>,
 }
 
 impl Touchdown {
-    /// Takes the status of the UAV. Returns the reason why the UAV isn't known to be on the ground.
+    /// Takes a status of the UAV. Returns an error with the reason if the UAV isn't known to be on the ground.
     pub(super) fn see(
         &mut self,
         flight: Option<&mut Flight>,
@@ -117,7 +119,7 @@ impl Touchdown {
             self.since = None;
             return Err(format!("its altitude is {height} mm above the ground"));
         }
-        // A UAV may wait on the ground before it climbs, although it doesn't land.
+        // A UAV may wait on the ground before it climbs. This isn't a landing.
         if [ErrorCode::TAKEOFF, ErrorCode::MOTORS, ErrorCode::RTH].iter().any(|code| has_code(status, *code))
         {
             self.since = None;
@@ -129,8 +131,8 @@ impl Touchdown {
                 if now.saturating_duration_since(*since) < STILL_TIME {
                     Err("it may be moving".to_owned())
                 } else if timestamp == reported && !was_in_air {
-                    // Otherwise, the change of the altitude shows that the state is new.
-                    Err("it doesn't report its altitude any more".to_owned())
+                    // Otherwise, the change in altitude shows that the status is new.
+                    Err("it no longer reports its altitude".to_owned())
                 } else {
                     Ok(())
                 }
@@ -150,7 +152,8 @@ mod tests {
 
     use super::*;
 
-    /// The states of a UAV whose altitude at takeoff was 3 m: seconds, altitude in mm, and timestamp.
+    /// The result for a UAV whose altitude at takeoff was 3 m. Each status consists of a time in seconds, an altitude
+    /// in mm, and a timestamp.
     fn last(states: &[(u64, Value, u64)]) -> Result<(), String> {
         let (mut touchdown, start) = (Touchdown::default(), Clock::simulated().now());
         let mut flight = Flight::new(Altitude::AboveHome(3_000));
@@ -165,7 +168,7 @@ mod tests {
     #[test]
     fn a_uav_that_is_still_near_the_ground_has_landed() {
         assert_eq!(last(&[(0, json!(3_050), 1), (1, json!(3_150), 2), (2, json!(3_000), 3)]), Ok(()));
-        // The altitude may drop below the altitude at takeoff.
+        // The altitude may be lower than at takeoff.
         assert_eq!(last(&[(0, json!(9_000), 1), (5, json!(2_900), 5), (7, json!(2_950), 7)]), Ok(()));
     }
 
@@ -187,10 +190,10 @@ mod tests {
     #[test]
     fn a_uav_whose_altitude_is_unknown_or_old_has_not_landed() {
         let old = last(&[(0, json!(3_000), 1), (9, json!(3_000), 1)]).expect_err("old");
-        assert!(old.contains("doesn't report"), "{old}");
-        // A server may set no timestamps, but the UAV has descended.
+        assert!(old.contains("no longer reports"), "{old}");
+        // A server may not set timestamps, but the UAV has descended.
         assert_eq!(last(&[(0, json!(9_000), 0), (5, json!(3_000), 0), (9, json!(3_000), 0)]), Ok(()));
-        // The other altitude has another reference.
+        // The other altitude has a different reference.
         let unknown = last(&[(0, json!(3_000), 1), (9, Value::Null, 9)]).expect_err("unknown");
         assert_eq!(unknown, "its altitude is unknown");
         let (mut touchdown, now) = (Touchdown::default(), Clock::simulated().now());

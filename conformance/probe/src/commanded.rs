@@ -6,15 +6,15 @@ use serde_json::{Value, json};
 use uavspec_rules::flockwave::trial::UNKNOWN_ID;
 use uavspec_types::flockwave::ErrorCode;
 
-/// A state of a UAV that the probe must undo. The order is the order in which states are undone: a sleeping UAV obeys
-/// no command, and stopped motors would make a flying UAV fall.
+/// An effect of a command on a UAV, which the probe must undo. Effects are undone in this order: a sleeping UAV obeys
+/// no command, and a flying UAV would fall if its motors were stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Effect {
     /// The UAV may be asleep.
     Asleep,
     /// The UAV may be in the air.
     Airborne,
-    /// The motors may run on the ground.
+    /// The motors may be running on the ground.
     MotorsOn,
 }
 
@@ -39,11 +39,11 @@ impl Effect {
         match self {
             Self::Asleep => format!("UAV {uav} may still be asleep"),
             Self::Airborne => format!("UAV {uav} may still be flying"),
-            Self::MotorsOn => format!("the motors of UAV {uav} may still run"),
+            Self::MotorsOn => format!("the motors of UAV {uav} may still be running"),
         }
     }
 
-    /// True if the status of a UAV is known and doesn't report this state.
+    /// True if the status of a UAV is known, and doesn't report this effect.
     pub(super) fn is_absent(self, status: &Value) -> bool {
         let codes = match self {
             Self::Asleep => &[ErrorCode::SLEEP][..],
@@ -62,8 +62,8 @@ impl Effect {
         }
     }
 
-    /// The request that undoes the effect. It names only UAVs that exist, because a server might refuse the whole
-    /// request for an unknown id.
+    /// The request that undoes the effect. It contains only ids of existing UAVs, because a server might refuse the
+    /// whole request for an unknown id.
     pub(super) fn undo(self, uavs: &[String]) -> Value {
         let mut body = json!({ "type": self.undo_type(), "ids": uavs });
         if self == Self::MotorsOn {
@@ -73,27 +73,28 @@ impl Effect {
     }
 }
 
-/// The commands that were not undone yet.
+/// The commands that have not been undone yet.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Commanded {
-    /// The effects and their UAVs, each with a mark that is true if the server refused the command.
+    /// The effects, by effect and UAV. The flag is true if the server refused the command.
     effects: BTreeMap<(Effect, String), bool>,
     /// The receipts of calibrations and tests that haven't ended.
     operations: BTreeSet<String>,
-    /// The receipts of commands that undo effects. The value is true if the operation succeeded, and `None` until it ends.
+    /// The receipts of commands that undo effects. The value is true if the operation succeeded, false if it failed,
+    /// and `None` until it ends.
     undoing: BTreeMap<String, Option<bool>>,
 }
 
 impl Commanded {
-    /// Notes a request that is about to be sent. A request may have an effect even if it is never answered. `all` are
-    /// the UAVs of requests without ids.
+    /// Records a request that is about to be sent, because it may have an effect even if it is never answered. `all`
+    /// are the UAVs that a request without ids addresses.
     pub(super) fn sent<'u>(&mut self, body: &Value, all: impl Iterator<Item = &'u String>) {
         let Some(effect) = Effect::of(body) else { return };
         let uavs = uavs(body).unwrap_or_else(|| all.cloned().collect());
         self.effects.extend(uavs.into_iter().map(|uav| ((effect, uav), false)));
     }
 
-    /// Notes the answer to a request.
+    /// Records the answer to a request.
     pub(super) fn answered(&mut self, body: &Value, answer: &Value) {
         if matches!(body["type"].as_str(), Some("UAV-CALIB" | "UAV-TEST")) {
             self.operations.extend(receipts(answer));
@@ -107,7 +108,7 @@ impl Commanded {
         }
     }
 
-    /// Notes a notification: operations may have ended.
+    /// Records a notification, which may report the end of operations.
     pub(super) fn received(&mut self, body: &Value) {
         let is_timeout = body["type"] == "ASYNC-TIMEOUT";
         let ended = match body["type"].as_str() {
@@ -124,7 +125,7 @@ impl Commanded {
         }
     }
 
-    /// Notes the receipt of a command that undoes an effect.
+    /// Records the receipt of a command that undoes an effect.
     pub(super) fn follow(&mut self, receipt: &str) {
         self.undoing.entry(receipt.to_owned()).or_default();
     }
@@ -134,12 +135,12 @@ impl Commanded {
         self.undoing.get(receipt).copied().flatten()
     }
 
-    /// Notes that a UAV isn't in this state any more.
+    /// Records that the effect on a UAV has been undone.
     pub(super) fn undone(&mut self, effect: Effect, uav: &str) {
         self.effects.remove(&(effect, uav.to_owned()));
     }
 
-    /// True if the server refused the command with this effect, so the UAV may never have been in the state.
+    /// True if the server refused the command with this effect, so the UAV may never have been in this state.
     pub(super) fn is_refused(&self, effect: Effect, uav: &str) -> bool {
         self.effects.get(&(effect, uav.to_owned())) == Some(&true)
     }
@@ -154,12 +155,12 @@ impl Commanded {
         self.effects.is_empty()
     }
 
-    /// Takes the receipts of the operations that haven't ended.
+    /// Removes and returns the receipts of the operations that haven't ended.
     pub(super) fn take_operations(&mut self) -> BTreeSet<String> {
         std::mem::take(&mut self.operations)
     }
 
-    /// The UAVs that may be unsafe, as clauses. `None` if all UAVs are safe.
+    /// Clauses that name the UAVs that may be unsafe. `None` if all UAVs are safe.
     pub(super) fn at_risk(&self) -> Option<String> {
         let warnings: Vec<String> = self.effects.keys().map(|(effect, uav)| effect.warning(uav)).collect();
         (!warnings.is_empty()).then(|| warnings.join("; "))
@@ -181,14 +182,15 @@ fn receipts(answer: &Value) -> Vec<String> {
     }
 }
 
-/// An answer to a command, for one UAV. It only informs: the status of the UAV decides.
+/// An answer to a command, for one UAV. It is only informative: the status of the UAV decides whether an effect is
+/// undone.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Reply {
-    /// The UAV executed the command. A command without a result has the result null.
+    /// The UAV has executed the command. The result is null if the command has no result.
     Success,
-    /// The UAV executes the command; this is the receipt of the operation.
+    /// The UAV is executing the command. Contains the receipt of the operation.
     Receipt(String),
-    /// The command was refused, for this reason.
+    /// The command was refused. Contains the reason.
     Refusal(String),
     /// The answer doesn't mention the UAV.
     Missing,
@@ -216,7 +218,7 @@ pub(super) fn has_code(status: &Value, code: ErrorCode) -> bool {
     status["errors"].as_array().is_some_and(|codes| codes.iter().any(|other| *other == u64::from(code.0)))
 }
 
-/// True if the status says that the UAV is on the ground, awake and without running motors.
+/// True if, according to its status, the UAV is on the ground and awake, and its motors aren't running.
 pub(super) fn is_at_rest(status: &Value) -> bool {
     let has = |code: ErrorCode| has_code(status, code);
     let is_on_ground = has(ErrorCode::GROUND) || has(ErrorCode::LANDED);
@@ -240,7 +242,7 @@ mod tests {
             ("UAV-HOVER", Some("UAV 07 may still be flying")),
             ("UAV-RTH", Some("UAV 07 may still be flying")),
             ("UAV-SLEEP", Some("UAV 07 may still be asleep")),
-            ("UAV-MOTOR", Some("the motors of UAV 07 may still run")),
+            ("UAV-MOTOR", Some("the motors of UAV 07 may still be running")),
             ("UAV-LAND", None),
             ("UAV-WAKEUP", None),
             ("UAV-INF", None),

@@ -1,5 +1,5 @@
 //! Sends commands to the UAVs that the caller named, in the order of a flight: tests on the ground, takeoff, flight,
-//! return and landing. `UAV-RST` and `UAV-HALT` follow only after the UAVs were seen on the ground.
+//! return and landing. `UAV-RST` and `UAV-HALT` are sent only after the UAVs have been seen on the ground.
 
 use std::time::Duration;
 
@@ -15,7 +15,7 @@ use super::survey::{ids, with_unknown_id};
 /// The approximate number of steps.
 pub(super) const STEPS: usize = 55;
 
-/// The additional time allowed for commands.
+/// The time for commands, in addition to the time limit of a probe.
 pub(super) const EXTRA_TIME: Duration = Duration::from_secs(60);
 
 /// The default time limit for an operation to progress or end.
@@ -36,11 +36,11 @@ const FLIGHT: Duration = Duration::from_secs(2);
 /// The flight altitude in mm above home.
 const HEIGHT: i64 = 10_000;
 
-/// The commands of a flight.
+/// The commands that are sent during a flight.
 const FLIGHT_COMMANDS: [&str; 8] =
     ["UAV-TAKEOFF", "UAV-HOVER", "UAV-FLY", "UAV-RTH", "UAV-LAND", "UAV-HALT", "UAV-RST", "SHOW-CRTH-START"];
 
-/// The types that are sent only with the permission of the user.
+/// The types of requests that are sent only with the user's permission.
 pub(super) const COMMANDS: [&str; 28] = [
     "EXT-LOAD",
     "EXT-RELOAD",
@@ -88,7 +88,7 @@ impl Probe<'_, '_> {
                 Some(format!("no commands were sent to {missing}: no such UAV appeared within {limit} s"));
         }
         let Some(first) = known.first().cloned() else {
-            return self.leave_out(&COMMANDS, "needs a UAV that --uav names");
+            return self.leave_out(&COMMANDS, "needs a UAV given with --uav");
         };
         self.query(json!({ "type": "SYS-TIME" }));
         self.query(json!({ "type": "SYS-TIME", "adjustment": 0 }));
@@ -114,7 +114,7 @@ impl Probe<'_, '_> {
         self.query_for_trial(&asy_19::RULE, resume.clone());
         let is_progress = |message: &Value| message["body"]["suspended"] == true || is_end(message, &receipt);
         let message = self.wait(self.options.progress_timeout, is_progress);
-        // A suspended operation must stay suspended. An operation without progress may also be suspended.
+        // A suspended operation must remain suspended. An operation that makes no progress may be suspended as well.
         let is_stopped = message.is_none_or(|message| !is_end(&message, &receipt))
             && self.wait(SUSPENSION_TIMEOUT, |message| is_end(message, &receipt)).is_none();
         if is_stopped {
@@ -141,7 +141,7 @@ impl Probe<'_, '_> {
         self.query(json!({ "type": "LOG-DATA", "uavId": first, "logId": "1" }));
     }
 
-    /// Sends requests that change the server, with values that change nothing: unknown ids, and the current settings.
+    /// Sends requests that change the server, with values that have no effect: unknown ids, and the current settings.
     fn configure(&mut self) {
         for kind in ["EXT-LOAD", "EXT-RELOAD", "EXT-UNLOAD"] {
             self.query(json!({ "type": kind, "ids": [UNKNOWN_ID] }));
@@ -181,7 +181,7 @@ impl Probe<'_, '_> {
     fn test(&mut self, uavs: &[String]) {
         let ids = with_unknown_id(uavs);
         let test = json!({ "type": "UAV-TEST", "ids": ids, "component": "led" });
-        // A test without notifications of its progress may take longer.
+        // A test that doesn't report its progress may take longer.
         self.operate_within(2 * self.options.progress_timeout, &asy_10::RULE, test);
         self.query(json!({ "type": "UAV-SIGNAL", "ids": ids, "signals": ["light"], "duration": 500 }));
         self.query(json!({ "type": "OBJ-CMD", "ids": ids, "command": "probe-none" }));
@@ -190,7 +190,7 @@ impl Probe<'_, '_> {
         self.make_safe();
     }
 
-    /// Makes a short flight. Returns true if all UAVs took off and were seen on the ground afterwards.
+    /// Makes a short flight. Returns true if all UAVs took off, and were seen on the ground afterwards.
     fn fly(&mut self, uavs: &[String], first: &str) -> bool {
         let ids = with_unknown_id(uavs);
         let Some(ground) = self.altitudes(uavs) else {
@@ -199,7 +199,7 @@ impl Probe<'_, '_> {
         };
         if ground.iter().any(|altitude| matches!(altitude, Altitude::AboveHome(height) if *height > AIRBORNE))
         {
-            self.note("no UAV was made to fly, because a UAV is in the air".to_owned());
+            self.note("no UAV was commanded to fly, because a UAV is already in the air".to_owned());
             self.leave_out(&FLIGHT_COMMANDS, "a UAV is in the air");
             return false;
         }
@@ -219,7 +219,7 @@ impl Probe<'_, '_> {
         was_in_air && self.is_safe()
     }
 
-    /// Makes a UAV fly to a point above its position.
+    /// Makes a UAV fly to a point above its current position.
     fn fly_up(&mut self, uav: &str) {
         let state = self.query(json!({ "type": "UAV-INF", "ids": [uav] }));
         let position = state.map(|answer| answer["body"]["status"][uav]["position"].clone());
@@ -232,10 +232,11 @@ impl Probe<'_, '_> {
         self.listen(FLIGHT);
     }
 
-    /// Sends the commands that would make a flying UAV fall.
+    /// Sends the commands that would make a flying UAV fall. Leaves them out if the UAVs haven't been seen on the
+    /// ground.
     fn restart(&mut self, uavs: &[String], is_on_ground: bool) {
         if !is_on_ground {
-            let why = "the UAVs were not seen to take off and land";
+            let why = "the probe did not see the UAVs take off and land";
             return self.leave_out(&["SHOW-CRTH-START", "UAV-HALT", "UAV-RST"], why);
         }
         let all = ids(self.discover(json!({ "type": "UAV-LIST" })).as_ref());
@@ -243,18 +244,19 @@ impl Probe<'_, '_> {
             self.query(json!({ "type": "SHOW-CRTH-START" }));
             self.make_safe();
         } else {
-            self.leave_out(&["SHOW-CRTH-START"], "could move UAVs that --uav doesn't name");
+            self.leave_out(&["SHOW-CRTH-START"], "could move UAVs that are not given with --uav");
         }
         if !self.is_safe() {
             return;
         }
-        // A UAV that was shut down might not restart.
+        // A UAV that has been shut down might not start again.
         for kind in ["UAV-RST", "UAV-HALT"] {
             self.operate(&env_07::RULE, json!({ "type": kind, "ids": with_unknown_id(uavs) }));
         }
     }
 
-    /// Sets the reason why requests are not sent. If the probe must stop, that is the reason.
+    /// Sets the reason why requests of these types aren't sent. If the probe must stop, the reason is that instead of
+    /// `why`.
     fn leave_out(&mut self, names: &[&str], why: &str) {
         if let Some(reason) = self.must_stop() {
             self.coverage.not_sent(names, reason);
@@ -263,7 +265,8 @@ impl Probe<'_, '_> {
         }
     }
 
-    /// Waits until all UAVs have left the ground. Returns false if one of them doesn't, or if an altitude is unknown.
+    /// Waits until all UAVs have left the ground. Returns false if one of them stays on the ground, or if its altitude
+    /// is unknown.
     fn wait_for_takeoff(&mut self, uavs: &[String]) -> bool {
         let until = (self.clock.now() + TAKEOFF_TIMEOUT).min(self.end);
         loop {
@@ -287,7 +290,7 @@ impl Probe<'_, '_> {
         }
     }
 
-    /// The altitudes of UAVs. `None` if one of them is unknown.
+    /// The altitudes of UAVs. `None` if at least one of them is unknown.
     fn altitudes(&mut self, uavs: &[String]) -> Option<Vec<Altitude>> {
         let answer = self.discover(json!({ "type": "UAV-INF", "ids": uavs }))?;
         uavs.iter().map(|id| Altitude::of(&answer["body"]["status"][id.as_str()])).collect()
@@ -320,7 +323,7 @@ fn receipt(answer: Option<&Value>) -> Option<String> {
     }
 }
 
-/// True if a message reports the end of an operation.
+/// True if a message reports the end of the operation with this receipt.
 fn is_end(message: &Value, receipt: &str) -> bool {
     let body = &message["body"];
     match body["type"].as_str() {
@@ -338,7 +341,7 @@ mod tests {
 
     use super::*;
 
-    /// Trials run without the permission to send commands, and nothing would undo their commands.
+    /// Trials also run without permission to send commands, and nothing would undo their commands.
     #[test]
     fn trials_send_no_commands() {
         let uavs = ["07".to_owned(), "08".to_owned()];

@@ -16,22 +16,22 @@ use super::{CONNECT_TIMEOUT, PACE, Probe};
 /// The delay between attempts to connect.
 pub(super) const PAUSE: Duration = Duration::from_millis(250);
 
-/// The time to wait until a server that stopped serving serves again, as a multiple of the timeout.
+/// The maximum time to wait until a server that stopped serving serves again, as a multiple of the timeout.
 const RESTART_TIMEOUTS: u32 = 2;
 
 /// The number of times that a server may stop serving before the probe ends.
 const MAX_STOPS: u32 = 3;
 
-/// The number of times that a server may stop serving if a command restarts it.
+/// The maximum number of times that a server may stop serving, if a command restarts it.
 const MAX_RESTARTS: u32 = 200;
 
-/// The minimum time to wait until a command has restarted the server.
+/// The minimum waiting time for a command to restart the server.
 const RESTART_LIMIT: Duration = Duration::from_secs(30);
 
 /// The maximum number of reconnections to a server that closes its connections.
 const MAX_RECONNECTS: u32 = 20;
 
-/// The cause if no message ended the service.
+/// The cause in reports if the service ended without a message that caused it.
 const BY_ITSELF: &str = "by itself";
 
 /// The maximum number of connections that wait for late answers.
@@ -74,7 +74,7 @@ impl Probe<'_, '_> {
         error: &io::Error,
         trial: Option<Trial<'_>>,
     ) {
-        // An attempt that was interrupted proves nothing.
+        // An interrupted attempt proves nothing.
         if self.stop.is_due() {
             return;
         }
@@ -82,7 +82,8 @@ impl Probe<'_, '_> {
         self.tape.event(&name, "refused", &error.to_string(), trial);
     }
 
-    /// Makes sure that the survey has an open connection. Reconnects if the connection ended.
+    /// Ensures that the survey has an open connection. Reconnects if the connection has ended. Returns false if this
+    /// fails.
     pub(super) fn ensure_connected(&mut self) -> bool {
         if self.session.as_ref().is_some_and(|session| !session.is_over()) {
             return true;
@@ -100,7 +101,8 @@ impl Probe<'_, '_> {
             self.cut_short(why);
             return false;
         }
-        // A server that is being shut down may still accept connections. It doesn't stop because of the next request.
+        // A server that is being shut down may still accept connections. The next request isn't the reason why it
+        // stops.
         let is_safe = self.stop.commanded().is_safe();
         if is_safe
             && self.post(&json!({ "type": "SYS-VER" }), None, self.pace()).is_none()
@@ -138,7 +140,7 @@ impl Probe<'_, '_> {
         self.close(session);
     }
 
-    /// Closes a connection, but keeps it open while answers may still arrive.
+    /// Closes a connection. If answers may still arrive, keeps it open until then.
     pub(super) fn close(&mut self, session: Session) {
         self.is_ending |= session.is_announced;
         if !session.is_pending() || self.stop.is_due() {
@@ -151,7 +153,7 @@ impl Probe<'_, '_> {
         }
     }
 
-    /// Reads late answers, and closes the connections for which no more can arrive.
+    /// Reads late answers, and closes the connections on which no more answers can arrive.
     pub(super) fn catch_up(&mut self) {
         if let Some(witness) = &mut self.witness {
             witness.catch_up(&mut self.tape);
@@ -166,11 +168,11 @@ impl Probe<'_, '_> {
         }
     }
 
-    /// Waits until the server serves a new connection. A message from one client must not affect others, so a server
-    /// that stopped serving them violates a rule. Returns false if the probe can't continue.
+    /// Waits until the server serves a new connection. If it doesn't, a rule is violated, because a message from one
+    /// client must not affect others. Returns false if the probe can't continue.
     pub(super) fn recover(&mut self, after: &str) -> bool {
         self.is_refused = false;
-        // A server that announced its end may restart.
+        // A server that has announced its end may be restarting.
         let is_ending = std::mem::take(&mut self.is_ending);
         let trial = (!is_ending).then_some(Trial { rule: &env_27::RULE.rule, how: after });
         let is_reported = trial.is_some_and(|trial| !self.serves_witness(trial));
@@ -181,10 +183,11 @@ impl Probe<'_, '_> {
             return true;
         }
         self.stops += 1;
-        // The request that was just sent shows this.
+        // The unanswered request has shown whether connections are refused.
         let is_shown = self.is_refused;
         let is_back = self.wait_for_restart(after);
-        // Over UDP, a few lost datagrams prove nothing, but many do, and so does a message from the system.
+        // Over UDP, a few lost datagrams prove nothing. Many lost datagrams do, and so does an error from the operating
+        // system.
         let is_certain = !is_shown && (self.is_refused || !is_back) && !self.is_exclusive;
         if is_certain && matches!(self.endpoint, Endpoint::Udp(_)) {
             let why =
@@ -217,14 +220,14 @@ impl Probe<'_, '_> {
             }
             if self.serves(None, PACE) {
                 let seconds = ((self.clock.now() - stopped_at) + self.patience()).as_secs();
-                self.note(format!("the server stopped serving {after}; it served again after {seconds} s"));
+                self.note(format!("the server stopped serving {after}; it resumed after {seconds} s"));
                 return true;
             }
         }
         false
     }
 
-    /// Makes sure that the witness is connected and served. Servers may close connections that are idle.
+    /// Ensures that the witness is connected and served. Servers may close idle connections.
     pub(super) fn ensure_witness(&mut self) {
         if self.is_exclusive {
             return;
@@ -244,7 +247,8 @@ impl Probe<'_, '_> {
         }
     }
 
-    /// Finds out whether the server serves a second connection next to the witness. If it doesn't, there is no witness.
+    /// Tests whether the server serves a second connection while the witness is open. If it doesn't, no witness is
+    /// used.
     pub(super) fn test_witness(&mut self) {
         self.ensure_witness();
         if matches!(self.endpoint, Endpoint::Udp(_)) && !self.serves(None, self.patience()) {
@@ -270,7 +274,7 @@ impl Probe<'_, '_> {
         }
     }
 
-    /// True if the server answers on the connection of the witness, if there is one.
+    /// True if the server answers on the connection of the witness, or if there is no witness.
     pub(super) fn serves_witness(&mut self, trial: Trial<'_>) -> bool {
         let Some(mut witness) = self.witness.take() else { return true };
         witness.catch_up(&mut self.tape);
@@ -287,8 +291,8 @@ impl Probe<'_, '_> {
         self.ask_witness(witness, Some(trial))
     }
 
-    /// True if the server closes a connection that is idle for this time, although there is no trial. Servers may close
-    /// idle connections, and older connections of the same client.
+    /// True if the server closes a connection that is idle for this time, even without a trial. Servers may close idle
+    /// connections, and older connections of the same client.
     fn closes_connections(&mut self, time: Duration) -> bool {
         let Ok(control) = self.connect(None) else { return false };
         let session = self.session.replace(control);
@@ -297,7 +301,7 @@ impl Probe<'_, '_> {
         let control = std::mem::replace(&mut self.session, session);
         let Some(mut control) = control else { return false };
         if is_served {
-            // A trial opens a connection, too. This one stays open, because its end must not affect the control.
+            // A trial also opens a connection. This connection stays open, because its end must not affect the control.
             self.serves_while(None, self.patience(), |probe| {
                 probe.sleep(time + PAUSE);
                 control.catch_up(&mut probe.tape);
@@ -308,7 +312,8 @@ impl Probe<'_, '_> {
         is_closed
     }
 
-    /// Sends a request on the connection of the witness. Without an answer, the connection is no longer the witness.
+    /// Sends a request on the connection of the witness. If there is no answer, the connection stops being the witness.
+    /// Returns true if there is an answer.
     fn ask_witness(&mut self, witness: Session, trial: Option<Trial<'_>>) -> bool {
         let session = self.session.replace(witness);
         let is_served = self.post(&json!({ "type": "SYS-VER" }), trial, self.patience()).is_some();
@@ -337,7 +342,7 @@ impl Probe<'_, '_> {
                 self.session = Some(session);
                 self.log_in();
                 let is_served = self.post(&json!({ "type": "SYS-VER" }), trial, patience).is_some();
-                // The system reports a UDP port without a server.
+                // If no server uses a UDP port, the operating system reports this.
                 self.is_refused |= !is_served && self.session.as_ref().is_some_and(Session::is_over);
                 is_served
             }

@@ -44,7 +44,7 @@ impl Coverage {
         Self { types: names.into_iter().map(entry).collect() }
     }
 
-    /// Sets the reason why requests are not sent that the user excluded, so that no later reason replaces it.
+    /// Sets the reason for the requests that the user excluded, so that a later reason doesn't replace it.
     pub(super) fn exclude(&mut self, options: &Options) {
         for entry in self.types.values_mut() {
             let name = entry.name.as_str();
@@ -71,7 +71,7 @@ impl Coverage {
         self.types.get(name).map_or(0, |entry| entry.refused)
     }
 
-    /// Sets the reason why requests of these types are not sent.
+    /// Sets the reason why requests of these types aren't sent.
     pub(super) fn not_sent(&mut self, names: &[&str], why: &str) {
         for name in names {
             if let Some(entry) = self.types.get_mut(*name) {
@@ -80,7 +80,7 @@ impl Coverage {
         }
     }
 
-    /// Returns all types. `rest` is the reason for types that were neither sent nor have a reason.
+    /// Returns all types. `rest` is the reason for types that weren't sent and have no other reason.
     pub(super) fn finish(self, rest: &str) -> Vec<RequestType> {
         let finished = |entry: RequestType| {
             let not_sent =

@@ -1,7 +1,7 @@
 //! Makes UAVs safe: undoes each command that a probe has sent, until the [evidence](super::undoing) shows that it is undone.
 //!
-//! This happens after each step that changes UAVs, and at the end of the survey, regardless of the cause of its end:
-//! the time limit, a lost connection, a request to [stop](super::stop) or a panic. The probe connects again as often as
+//! This happens after each step that changes UAVs, and at the end of the survey, no matter why it ends: because of the
+//! time limit, a lost connection, a request to [stop](super::stop) or a panic. The probe reconnects as often as
 //! necessary, until all UAVs are safe or the time limit for landing is reached.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -18,7 +18,7 @@ use super::{Probe, plain};
 /// The default time limit for making UAVs safe.
 pub(super) const LANDING_LIMIT: Duration = Duration::from_secs(120);
 
-/// The maximum time to wait for an answer before the probe connects again.
+/// The maximum time to wait for an answer before the probe reconnects.
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// The minimum time between warnings.
@@ -28,14 +28,15 @@ const WARNING_INTERVAL: Duration = Duration::from_secs(10);
 type Attempts = BTreeMap<(Effect, String), Undoing>;
 
 impl Probe<'_, '_> {
-    /// Undoes all commands, regardless of the user's selection, and even if the probe must stop or its time limit is
-    /// reached. Afterwards, [`Commanded`](super::commanded::Commanded) contains the UAVs that aren't known to be safe.
+    /// Undoes all commands, regardless of the user's selection, and even if the probe must stop or its time limit has
+    /// been reached. Afterwards, [`Commanded`](super::commanded::Commanded) contains the UAVs that aren't known to be
+    /// safe.
     pub(super) fn make_safe(&mut self) {
         if self.is_safe() {
             return;
         }
         let _deferred = self.stop.defer();
-        // After the time limit, there is one more attempt at the end of the survey.
+        // After the time limit, one more attempt is made at the end of the survey.
         let (now, limit) = (self.clock.now(), self.options.landing_limit);
         let until = *self.landing_end.get_or_insert_with(|| now + limit);
         let (mut attempts, mut next_warning) = (Attempts::new(), now + REACTION_TIME);
@@ -54,7 +55,10 @@ impl Probe<'_, '_> {
             if let Some(danger) = self.danger().filter(|_| !is_usual && now >= next_warning) {
                 let left = until.saturating_duration_since(now).as_secs();
                 let danger = self.secrets.hide(&danger);
-                (self.options.warn)(&format!("{danger}. The probe tries to change that for {left} s."));
+                (self.options.warn)(&format!(
+                    "{danger}. The probe keeps trying to resolve this for {left} \
+                    s."
+                ));
                 next_warning = now + WARNING_INTERVAL;
             }
             self.listen(ALTITUDE_INTERVAL);
@@ -62,8 +66,8 @@ impl Probe<'_, '_> {
         }
     }
 
-    /// Cancels the calibrations and tests that haven't ended, after the survey ended early. Operations end by
-    /// themselves if the request is lost.
+    /// Cancels the calibrations and tests that haven't ended when the survey ends early. If this request is lost, the
+    /// operations end by themselves.
     pub(super) fn cancel_operations(&mut self) {
         let receipts = self.stop.commanded().take_operations();
         if receipts.is_empty() {
@@ -71,7 +75,7 @@ impl Probe<'_, '_> {
         }
         let _deferred = self.stop.defer();
         if let Err(why) = self.urge(&json!({ "type": "ASYNC-CANCEL", "ids": receipts })) {
-            self.note(format!("a calibration or test may still run: {why}"));
+            self.note(format!("a calibration or test may still be running: {why}"));
         }
     }
 
@@ -80,31 +84,31 @@ impl Probe<'_, '_> {
         self.stop.commanded().is_safe()
     }
 
-    /// The UAVs that aren't known to be safe, and the reason.
+    /// The UAVs that aren't known to be safe, with the reason. `None` if all are safe.
     pub(super) fn danger(&self) -> Option<String> {
         let why = self.danger.as_ref().map_or_else(String::new, |why| format!(" ({why})"));
         self.stop.at_risk().map(|uavs| uavs + &why)
     }
 
-    /// Sends the commands that are due, and looks at the states of the UAVs. Returns the reason if a UAV isn't known to
-    /// be safe.
+    /// Sends the commands that are due, and requests the states of the UAVs. If a UAV isn't known to be safe, returns
+    /// an error with the reason.
     fn undo(&mut self, attempts: &mut Attempts) -> Result<(), String> {
         let connection = self.ensure_session()?;
         for effect in Effect::ALL {
             self.order(effect, attempts, &connection);
         }
-        // The UAVs must receive the commands again on a new connection.
+        // After a reconnection, the UAVs must receive the commands again.
         if let Some(session) = self.session.as_ref().filter(|session| session.is_over()) {
             return Err(session.why_over());
         }
-        // An answer is not enough, and its absence changes nothing: the states show whether the UAVs obey.
+        // An answer isn't sufficient, and a missing answer changes nothing: only the states show whether the UAVs obey.
         let states = self.states()?;
         let confirmed = self.confirm(attempts, &states);
         self.bring_back(attempts, &states);
         confirmed
     }
 
-    /// The UAVs that may be in a state that can be undone now.
+    /// The UAVs for which this effect may exist and can be undone now.
     fn undoable(&self, effect: Effect) -> Vec<String> {
         let mut uavs = self.stop.commanded().uavs(effect);
         if effect == Effect::MotorsOn {
@@ -128,11 +132,11 @@ impl Probe<'_, '_> {
                 due.push(uav);
             }
         }
-        // A server may refuse the whole request because of one UAV.
+        // A server may refuse the whole request because of a single UAV.
         let size = if is_again { 1 } else { due.len().max(1) };
         for uavs in due.chunks(size) {
             if !self.send_order(effect, uavs, attempts, connection) {
-                // The others follow at the next attempt, after a look at the states.
+                // The other UAVs follow in the next attempt, after their states have been checked.
                 return;
             }
         }
@@ -146,7 +150,7 @@ impl Probe<'_, '_> {
         attempts: &mut Attempts,
         connection: &str,
     ) -> bool {
-        // The states show whether a UAV lands. Without an answer, the states are more urgent.
+        // The states show whether a UAV lands. If there is no answer, the states are more urgent than another attempt.
         let limit = if effect == Effect::Airborne { self.pace() } else { ANSWER_TIMEOUT };
         let answer = self.post(&effect.undo(uavs), Some(plain()), self.patience().min(limit));
         self.coverage.sent(effect.undo_type(), answer.as_ref());
@@ -162,13 +166,13 @@ impl Probe<'_, '_> {
         answer.is_some()
     }
 
-    /// The states of all UAVs that might be unsafe.
+    /// The states of all UAVs that may be unsafe.
     fn states(&mut self) -> Result<BTreeMap<String, Value>, String> {
         let uavs = Effect::ALL.map(|effect| self.stop.commanded().uavs(effect));
         let uavs: BTreeSet<String> = uavs.into_iter().flatten().collect();
         let uavs: Vec<String> = uavs.into_iter().collect();
         let together = self.urge(&json!({ "type": "UAV-INF", "ids": uavs }))?;
-        // A server may refuse the whole request because of one UAV.
+        // A server may refuse the whole request because of a single UAV.
         let is_refused = together["body"]["type"] == "ACK-NAK" && uavs.len() > 1;
         let mut states = BTreeMap::new();
         for uav in uavs {
@@ -180,7 +184,7 @@ impl Probe<'_, '_> {
         Ok(states)
     }
 
-    /// Notes the effects that are undone. Returns the reason if a UAV isn't known to be safe.
+    /// Records the effects that have been undone. If a UAV isn't known to be safe, returns an error with the reason.
     fn confirm(&mut self, attempts: &mut Attempts, states: &BTreeMap<String, Value>) -> Result<(), String> {
         let mut problem = Ok(());
         for effect in Effect::ALL {
@@ -196,7 +200,7 @@ impl Probe<'_, '_> {
         problem
     }
 
-    /// Makes UAVs return that refuse to land.
+    /// Commands the UAVs that refuse to land to return.
     fn bring_back(&mut self, attempts: &mut Attempts, states: &BTreeMap<String, Value>) {
         for uav in self.undoable(Effect::Airborne) {
             let Some(attempt) = attempts.get_mut(&(Effect::Airborne, uav.clone())) else { continue };
@@ -230,7 +234,7 @@ impl Probe<'_, '_> {
         }
     }
 
-    /// Connects again if necessary. Returns the name of the connection.
+    /// Reconnects if necessary. Returns the name of the connection.
     fn ensure_session(&mut self) -> Result<String, String> {
         if self.session.as_ref().is_none_or(Session::is_over) {
             self.reconnect()?;
@@ -238,7 +242,7 @@ impl Probe<'_, '_> {
         Ok(self.session.as_ref().map(|session| session.name.clone()).unwrap_or_default())
     }
 
-    /// Sends a request, after connecting again if necessary. If there is no answer, the next request uses a new
+    /// Sends a request, and reconnects first if necessary. If there is no answer, the next request uses a new
     /// connection.
     fn urge(&mut self, body: &Value) -> Result<Value, String> {
         self.ensure_session()?;

@@ -85,18 +85,18 @@ pub use self::stop::Stop;
 use self::tape::Tape;
 use crate::limits::MAX_NOTES;
 
-/// The time limit for connecting. Until then, refused connections are retried, because the server may be starting.
+/// The time limit for connecting. Refused connections are retried within this limit, because the server may be
+/// starting.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// The minimum time to wait for an answer before the next request is sent. The answer may still arrive later: only a
-/// request without an answer after [`Options::timeout`] counts as unanswered.
+/// The minimum time to wait for an answer before the next request is sent. The answer may still arrive later: a request
+/// counts as unanswered only after [`Options::timeout`].
 const PACE: Duration = Duration::from_secs(2);
 
-/// The number of unanswered requests after which a reduced pace applies, and the reduced pace.
+/// The reduced pace, and the number of unanswered requests after which it applies.
 const REDUCED_PACE: (u32, Duration) = (3, Duration::from_millis(300));
 
-/// The maximum number of resends over UDP, which may lose a request or its answer, and the minimum interval between
-/// them.
+/// The maximum number of times that a request is sent again over UDP, because the request or its answer may be lost.
 const MAX_RESENDS: u32 = 3;
 const RESEND_INTERVAL: Duration = Duration::from_millis(100);
 
@@ -254,7 +254,7 @@ struct Probe<'p, 'd> {
     end: Instant,
     /// The flights of the UAVs that may take off.
     flights: BTreeMap<String, Flight>,
-    /// The reason why some UAVs aren't known to be safe, and the time limit for making them safe.
+    /// The UAVs that aren't known to be safe, with the reason.
     danger: Option<String>,
     landing_end: Option<Instant>,
     notes: Vec<String>,
@@ -269,9 +269,9 @@ struct Probe<'p, 'd> {
     has_login: bool,
     /// True if the server announced that it ends connections.
     is_ending: bool,
-    /// True if the server serves only one connection.
-    is_exclusive: bool,
     /// True if answers have no envelope.
+    is_exclusive: bool,
+    /// True if the survey was completed.
     is_bare: bool,
     /// True if the survey came to its end.
     has_survey: bool,
@@ -291,10 +291,10 @@ impl Probe<'_, '_> {
         false
     }
 
-    /// Runs the trials. They may stop a server, so they follow only if no UAV needs the server.
+    /// Runs the trials. They may stop a server, so they run only if no UAV depends on the server.
     fn complete(&mut self, attempts: &[(&'static Rule, Attempt)], steps: usize) {
         if let Some(danger) = self.danger() {
-            // UAVs in danger matter more than any other reason.
+            // The danger to UAVs matters more than any other reason.
             self.cut_short = Some(format!("{danger}; check the UAVs"));
         }
         if self.stop.is_requested() || self.failure.is_some() {
@@ -353,7 +353,7 @@ impl Probe<'_, '_> {
         false
     }
 
-    /// The behaviour of a server that isn't a Flockwave server, with a guess at what it is.
+    /// Describes the behaviour of a server that doesn't speak Flockwave, and suggests what kind of server it is.
     fn why_unknown(&self) -> String {
         let other = self.session.as_ref().and_then(Session::trouble);
         match (self.tape.unknown(), other) {
@@ -457,8 +457,8 @@ impl Probe<'_, '_> {
         answer
     }
 
-    /// Handles a request without an answer. If the connection doesn't answer `SYS-VER` either, only the first request
-    /// without an answer is reported, and the probe continues on a new connection.
+    /// Handles an unanswered request. If the connection doesn't answer `SYS-VER` either, only the first unanswered
+    /// request is reported, and the probe continues on a new connection.
     fn unanswered(&mut self, type_name: &str) {
         self.silences += 1;
         let is_open = self.session.as_ref().is_some_and(|session| !session.is_over());
@@ -496,7 +496,7 @@ impl Probe<'_, '_> {
         self.stop.commanded().sent(body, self.flights.keys());
         let session = self.session.as_mut()?;
         let (text, end) = (message.to_string(), self.clock.now() + patience);
-        // A command that arrives twice, or late, may have an effect twice.
+        // A command that arrives late or twice may have an effect twice.
         let is_command = body["type"].as_str().is_some_and(|name| commands::COMMANDS.contains(&name));
         let is_resent = matches!(self.endpoint, Endpoint::Udp(_)) && !is_command;
         let resends = if is_resent { MAX_RESENDS } else { 0 };
@@ -542,7 +542,7 @@ impl Probe<'_, '_> {
         usual.max(self.slowest * 3).min(self.patience())
     }
 
-    /// The time that a request may stay unanswered.
+    /// The time for which a request may remain unanswered.
     fn patience(&self) -> Duration {
         self.options.timeout
     }
@@ -572,7 +572,7 @@ impl Probe<'_, '_> {
         }
     }
 
-    /// Ends the probe early, for this reason. After an interruption by the user, the reason is ignored.
+    /// Ends the probe early for this reason. If the user has interrupted the probe, the reason is ignored.
     fn cut_short(&mut self, why: String) {
         if !self.stop.is_due() {
             self.cut_short.get_or_insert(why);
@@ -587,7 +587,7 @@ fn refused_login(answer: &Value) -> String {
     format!("the server refused the login{reason}")
 }
 
-/// The default trial, which tests only that the server answers a request.
+/// The default trial. It tests only whether the server answers a request.
 fn plain() -> Trial<'static> {
     Trial { rule: &env_07::RULE.rule, how: "" }
 }

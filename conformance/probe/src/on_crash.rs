@@ -1,4 +1,4 @@
-//! The command of the user that restarts a server that stopped serving.
+//! Runs the user's command for restarting a server that has stopped serving.
 
 use std::process::{Child, Command, Stdio};
 
@@ -6,8 +6,8 @@ use std::process::{Child, Command, Stdio};
 pub(super) struct OnCrash(Result<Child, String>);
 
 impl OnCrash {
-    /// Starts a command in the shell. The command may stay in the foreground, as a server does, so nothing waits for its
-    /// end. Its output goes to standard error.
+    /// Starts a shell command. Doesn't wait for it, because the command may stay in the foreground like a server. Its
+    /// output goes to standard error.
     pub(super) fn start(text: &str) -> Self {
         let (shell, option) = if cfg!(windows) { ("cmd", "/C") } else { ("sh", "-c") };
         let mut command = Command::new(shell);
@@ -15,7 +15,7 @@ impl OnCrash {
         Self(command.spawn().map_err(|error| format!("--on-crash: can't run {shell}: {error}")))
     }
 
-    /// The problem of a command that could not be started, or that failed.
+    /// The problem with a command that couldn't be started, or that failed. `None` if there is no problem.
     pub(super) fn problem(&mut self) -> Option<String> {
         match &mut self.0 {
             Err(problem) => Some(problem.clone()),

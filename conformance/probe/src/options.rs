@@ -12,7 +12,7 @@ use super::{commands, landing, survey};
 /// The time limit of a probe without commands, excluding the listening period.
 const TIME_LIMIT: Duration = Duration::from_secs(45);
 
-/// The default time that a request may stay unanswered.
+/// The default time for which a request may remain unanswered.
 const TIMEOUT: Duration = Duration::from_secs(5);
 
 /// Options of a probe.
@@ -26,16 +26,17 @@ pub struct Options {
     pub uavs: Vec<String>,
     /// The time after which no further requests are sent, excluding [`observe`](Self::observe).
     pub limit: Duration,
-    /// The time that a request may stay unanswered. A shorter wait proves nothing, so it never causes a finding.
+    /// The time for which a request may remain unanswered. If the wait was shorter, there is no finding, because it
+    /// proves nothing.
     pub timeout: Duration,
     /// A shell command that restarts the server after it has stopped serving.
     pub on_crash: Option<String>,
-    /// The time that an operation of a UAV may take until it progresses or ends. A shorter wait proves nothing, so it never
-    /// causes a finding.
+    /// The time within which an operation of a UAV must progress or end. If the wait was shorter, there is no finding,
+    /// because it proves nothing.
     pub progress_timeout: Duration,
-    /// The time limit until the UAVs that may receive commands appear.
+    /// The time within which the UAVs that may receive commands must appear.
     pub uav_timeout: Duration,
-    /// The time to make the commanded UAVs safe, excluding all other limits.
+    /// The time limit for making the commanded UAVs safe. It applies in addition to all other limits.
     pub landing_limit: Duration,
     /// The certificates to trust in connections over TLS.
     pub trust: Trust,

@@ -54,17 +54,18 @@ impl Selection {
         Self { has_no_trials: true, ..self }
     }
 
-    /// True if a request of the survey or a command is sent.
+    /// True if requests of this type are selected, for the survey and for commands.
     pub(super) fn has_request(&self, type_name: &str) -> bool {
         self.selects(&[type_name])
     }
 
-    /// True if a trial of a rule is run.
+    /// True if this trial of a rule is selected.
     pub(super) fn has_trial(&self, rule: &Rule, how: &str, type_name: Option<&str>) -> bool {
         !self.has_no_trials && self.selects(&[rule.id, how, type_name.unwrap_or_default()])
     }
 
-    /// True if findings of a rule are reported. If only message types or trials are selected, all rules are.
+    /// True if findings of a rule are reported. If only message types or trials are selected, the findings of all rules
+    /// are reported.
     pub(super) fn has_rule(&self, rule: &Rule) -> bool {
         let is_of = |name: &String| is_in(rule.id, name);
         let is_rule = |name: &String| RULES.iter().any(|entry| is_in(entry.rule.id, name));
@@ -77,7 +78,7 @@ impl Selection {
     }
 }
 
-/// True if the name is the id, or the family of the id.
+/// True if `name` equals the id or the family of the id.
 fn is_in(id: &str, name: &str) -> bool {
     id.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with('-'))
 }

@@ -21,7 +21,7 @@ pub struct Row {
     pub mutant: Mutant,
     /// The name of the mutant; for PX4 rules, followed by the capture's encoding.
     pub title: String,
-    /// The ids of the violated rules. `None` if the definitions don't allow the change.
+    /// The ids of the violated rules. `None` if the definitions don't allow the mutant.
     pub violated: Option<BTreeSet<&'static str>>,
 }
 
@@ -31,13 +31,13 @@ impl Row {
         self.mutant.also.iter().chain([&self.rule]).map(|rule| rule.id).collect()
     }
 
-    /// True if exactly the expected rules are violated, or if the mutant couldn't be made.
+    /// True if exactly the expected rules are violated, or if the mutant couldn't be created.
     pub fn is_right(&self) -> bool {
         self.violated.as_ref().is_none_or(|violated| *violated == self.expected())
     }
 }
 
-/// The rules that a probe found.
+/// The rules that were violated in a probe and in its recording.
 #[derive(Debug)]
 pub struct Found {
     /// The violated rules.

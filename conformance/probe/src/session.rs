@@ -17,13 +17,13 @@ use super::stop::{NOTICE_TIME, Stop};
 use super::tape::{TOO_LONG, Tape};
 use crate::limits::{MAX_LATE, MAX_WAITING};
 
-/// The reason recorded if the server closes a connection.
+/// The reason that is recorded if the server closes a connection.
 const CLOSED: &str = "eof";
 
 /// The time after which a connection is idle.
 const IDLE_TIME: Duration = Duration::from_secs(5);
 
-/// The time limit for reading the remaining messages after the server closed the connection.
+/// The time limit for reading the remaining messages after the server has closed the connection.
 const DRAIN_TIMEOUT: Duration = Duration::from_millis(200);
 
 /// The kind of a connection.
@@ -33,7 +33,7 @@ enum Kind {
     Stream,
     /// Datagrams, which may be lost.
     Datagrams,
-    /// HTTP requests, one for each message. Each request can fail individually.
+    /// HTTP requests, one for each message. Requests fail independently of each other.
     OneShot,
     /// Socket.IO events.
     Events,
@@ -47,7 +47,7 @@ pub(super) struct Path<'p> {
     pub(super) network: Option<&'p dyn Network>,
     /// The time limit for connecting.
     pub(super) limit: Duration,
-    /// The time that each request may stay unanswered.
+    /// The time for which each request may remain unanswered.
     pub(super) patience: Duration,
     pub(super) stop: &'p Stop,
     pub(super) clock: &'p Clock,
@@ -86,21 +86,21 @@ impl Link {
 pub(super) struct Session {
     pub(super) name: String,
     kind: Kind,
-    /// The time that a request may stay unanswered.
+    /// The time for which a request may remain unanswered.
     patience: Duration,
-    /// `None` after a call that was interrupted.
+    /// The connection to the server. `None` after an interrupted call.
     link: Option<Link>,
     /// Ends waiting early.
     stop: Stop,
     clock: Clock,
-    /// The requests without an answer, by id, each with the time when it was sent.
+    /// The unanswered requests, by id, each with the time at which it was sent.
     waiting: BTreeMap<String, Instant>,
     /// The ids of answered requests.
     answered: BTreeSet<String>,
-    /// The time of the latest answer that left a request waiting. That request was sent together with the answered
-    /// request, or later.
+    /// The time of the latest answer that left another request unanswered. That request was sent together with the
+    /// answered request, or later.
     answered_at: Option<Instant>,
-    /// The ids of the HTTP requests whose responses have not been read, in order. A message without an id has `None`.
+    /// The ids of the HTTP requests whose responses haven't been read, in order. `None` for a message without an id.
     unread: VecDeque<Option<String>>,
     /// The number of answers without an envelope.
     pub(super) bare: u64,
@@ -110,9 +110,9 @@ pub(super) struct Session {
     is_draining: bool,
     /// True if the server announced the end of the connection with SYS-CLOSE.
     pub(super) is_announced: bool,
-    /// The reason why the latest failed HTTP request failed.
+    /// The reason why an HTTP request failed, for the latest failed request.
     failed: Option<String>,
-    /// The HTTP status of that request's response.
+    /// The HTTP status of the response to that request.
     failed_status: Option<u16>,
     /// The reason for the end of the connection, if it has ended.
     end: Option<String>,
@@ -198,9 +198,9 @@ impl Session {
         matches!(self.failed_status, Some(401 | 403 | 407))
     }
 
-    /// True if a missing answer on this connection may still arrive.
+    /// True if a missing answer may still arrive on this connection.
     pub(super) fn is_pending(&self) -> bool {
-        // A server may handle one request after the other.
+        // A server may handle requests one after the other.
         let latest = self.waiting.values().copied().chain(self.answered_at).max();
         // A missing answer over UDP proves nothing.
         !self.is_over()
@@ -291,8 +291,8 @@ impl Session {
         self.handle_send(tape, sent);
     }
 
-    /// Calls the client, which may block. If the probe must stop meanwhile, the connection ends, unless the call
-    /// commands UAVs: the command could arrive later, after the command that undoes it.
+    /// Calls the client, which may block. If the probe must stop in the meantime, the connection ends, unless the call
+    /// sends commands to UAVs: such a command could arrive after the command that undoes it.
     fn call(
         &mut self,
         work: impl FnOnce(&mut dyn Client) -> io::Result<()> + Send + 'static,
@@ -314,7 +314,7 @@ impl Session {
         done
     }
 
-    /// Waits without reading, unless the probe must stop.
+    /// Waits for a time without reading. Returns early if the probe must stop.
     pub(super) fn pause(&self, time: Duration) {
         self.stop.sleep(&self.clock, time);
     }
@@ -322,7 +322,7 @@ impl Session {
     /// Waits for the next JSON message.
     pub(super) fn receive(&mut self, tape: &mut Tape<'_>, until: Instant) -> Option<Value> {
         while let Some(link) = self.link.as_mut().filter(|_| self.end.is_none()) {
-            // Even a server that never stops sending can't delay the end.
+            // A server that never stops sending can't delay the end of the wait.
             if self.stop.is_due() {
                 return None;
             }
@@ -356,7 +356,7 @@ impl Session {
         None
     }
 
-    /// Reads messages until all requests have answers, up to a time limit.
+    /// Reads messages until all requests have been answered, or until the time limit.
     pub(super) fn settle(&mut self, tape: &mut Tape<'_>, until: Instant) {
         while self.is_waiting() && self.clock.now() < until && self.receive(tape, until).is_some() {}
     }
@@ -373,7 +373,7 @@ impl Session {
 
     /// Waits for the answer to a request.
     pub(super) fn answer(&mut self, tape: &mut Tape<'_>, id: &str, until: Instant) -> Option<Value> {
-        // Nothing more arrives for an HTTP request that has failed.
+        // No answer arrives for an HTTP request that has failed.
         if self.is_one_shot() && !self.awaits(id) {
             return None;
         }
@@ -399,16 +399,17 @@ impl Session {
         None
     }
 
-    /// Ends the connection. The end isn't recorded if an answer may still arrive, so its absence violates no rule.
+    /// Closes the connection. If an answer may still arrive, the end isn't recorded, so that the missing answer doesn't
+    /// violate a rule.
     pub(super) fn close(mut self, tape: &mut Tape<'_>) {
         if !self.is_pending() {
             self.end(tape, "client");
         }
     }
 
-    /// Adds an envelope to an HTTP answer that has none. The specification doesn't define this transport, and some
-    /// servers answer with only the body, since each HTTP response belongs to a known request. An answer to a request
-    /// without an id gets no envelope, and is returned as an error.
+    /// Adds an envelope to an HTTP answer that lacks one. The specification doesn't define this transport, and some
+    /// servers answer with only the body, because each HTTP response belongs to a known request. If the request had no
+    /// id, the answer is returned as an error, without an envelope.
     fn enveloped(&mut self, bytes: Vec<u8>) -> Result<Vec<u8>, Vec<u8>> {
         let request = self.unread.pop_front().flatten();
         let Some(body) = bare(&bytes).filter(|_| self.is_one_shot()) else { return Ok(bytes) };
@@ -445,7 +446,7 @@ impl Session {
     fn handle_send(&mut self, tape: &mut Tape<'_>, sent: io::Result<()>) {
         let Err(error) = sent else { return };
         if self.stop.is_due() {
-            // Messages that have already arrived are not read, so the end proves nothing.
+            // Messages that have already arrived haven't been read, so the end proves nothing.
             self.end.get_or_insert_with(|| error.to_string());
         } else if is_end(&error) {
             // Messages sent before the end of the connection still count.
@@ -470,12 +471,12 @@ impl Session {
     }
 }
 
-/// The name of a connection. The name starts with the transport, because some rules depend on the transport.
+/// The name of a connection. It starts with the transport, because some rules depend on the transport.
 pub(super) fn name(endpoint: &Endpoint, number: usize) -> String {
     format!("{}#{number}", endpoint.scheme())
 }
 
-/// A body without an envelope.
+/// The body, if an answer has no envelope.
 fn bare(bytes: &[u8]) -> Option<&RawValue> {
     let body: &RawValue = serde_json::from_slice(bytes).ok()?;
     let read: Value = serde_json::from_str(body.get()).ok()?;
@@ -494,7 +495,7 @@ fn is_end(error: &io::Error) -> bool {
     )
 }
 
-/// The error of a call that was interrupted because the probe must stop.
+/// The error of a call that was interrupted, because the probe must stop.
 fn interrupted() -> io::Error {
     io::Error::other(INTERRUPTED)
 }

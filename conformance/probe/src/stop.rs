@@ -1,4 +1,4 @@
-//! Ends a probe early, from a signal handler or from another thread.
+//! Ends a probe early, on request of a signal handler or another thread.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -21,24 +21,24 @@ pub struct Stop(Arc<Shared>);
 #[derive(Debug, Default)]
 struct Shared {
     is_requested: AtomicBool,
-    /// True while the probe makes UAVs safe, which nothing may interrupt.
+    /// True while the probe makes UAVs safe. Nothing may interrupt it then.
     is_deferred: AtomicBool,
     commanded: Mutex<Commanded>,
 }
 
 impl Stop {
-    /// Asks the probe to end. Returns false if this was requested before.
+    /// Requests the end of the probe. Returns false if this has already been requested.
     pub fn request(&self) -> bool {
         !self.0.is_requested.swap(true, Ordering::SeqCst)
     }
 
-    /// True if the probe was asked to end.
+    /// True if the end of the probe has been requested.
     pub fn is_requested(&self) -> bool {
         self.0.is_requested.load(Ordering::SeqCst)
     }
 
-    /// The UAVs that the probe commanded and that aren't known to be safe at this moment, such as `UAV 07 may still
-    /// fly`. `None` if there are none.
+    /// The UAVs that have received commands and aren't known to be safe at this moment, such as `UAV 07 may still fly`.
+    /// `None` if there are none.
     pub fn at_risk(&self) -> Option<String> {
         self.commanded().at_risk()
     }
@@ -48,13 +48,13 @@ impl Stop {
         self.is_requested() && !self.0.is_deferred.load(Ordering::SeqCst)
     }
 
-    /// Defers the request until the returned value is dropped.
+    /// Defers requests to stop until the returned value is dropped.
     pub(super) fn defer(&self) -> Deferred {
         self.0.is_deferred.store(true, Ordering::SeqCst);
         Deferred(self.clone())
     }
 
-    /// The commands that were not undone yet.
+    /// The commands that have not been undone yet.
     pub(super) fn commanded(&self) -> MutexGuard<'_, Commanded> {
         self.0.commanded.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -64,12 +64,12 @@ impl Stop {
         clock.poll(clock.now() + time, NOTICE_TIME, || self.is_due().then_some(()));
     }
 
-    /// Runs a function that may block, in a separate thread. Returns `None` if the probe must stop, or if the function
-    /// panics. The thread then finishes by itself.
+    /// Runs a function that may block in a separate thread. Returns `None` if the probe must stop, in which case the
+    /// thread finishes by itself, or if the function panics.
     pub(super) fn run<T: Send + 'static>(&self, work: impl FnOnce() -> T + Send + 'static) -> Option<T> {
         let (sender, result) = channel();
         thread::spawn(move || {
-            // The receiver is gone if the probe has stopped.
+            // If the probe has stopped, nothing receives the result.
             let _ = sender.send(work());
         });
         loop {

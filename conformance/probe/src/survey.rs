@@ -17,10 +17,10 @@ pub(super) const STEPS: usize = 80;
 /// A message type that doesn't exist.
 const UNKNOWN_TYPE: &str = "PROBE-NONE";
 
-/// The time limit for the first UAV to appear. Some servers only have UAVs while a client is connected.
+/// The time limit for the first UAV to appear. Some servers have UAVs only while a client is connected.
 const UAV_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// The default time limit until the UAVs that may receive commands appear.
+/// The default time limit for the appearance of the UAVs that may receive commands.
 pub(super) const NAMED_UAV_TIMEOUT: Duration = Duration::from_secs(30);
 
 /// The interval between requests while waiting for UAVs.
@@ -52,7 +52,7 @@ impl Probe<'_, '_> {
         let is_required = login["body"]["required"] == true;
         let methods = login["body"]["methods"].as_array();
         let has_basic = methods.is_some_and(|methods| methods.iter().any(|method| method == "basic"));
-        // With HTTP Basic, the client is logged in from the start.
+        // With HTTP Basic authentication, the client is logged in from the start.
         let may_be_logged_in = self.options.login.is_some()
             && matches!(self.endpoint, Endpoint::Http { .. } | Endpoint::SocketIo { .. });
         if is_required && !may_be_logged_in {
@@ -64,7 +64,7 @@ impl Probe<'_, '_> {
                 return false;
             }
         } else if !has_basic && !is_required && !is_refused {
-            // The login is for the HTTP server.
+            // The login is meant for the HTTP server.
             self.has_login = false;
             self.coverage.not_sent(&["AUTH-REQ"], "the server has no login with the method basic");
         } else if !self.log_in() {
@@ -124,7 +124,7 @@ impl Probe<'_, '_> {
     fn await_uavs(&mut self) {
         let (began, end) = (self.clock.now(), self.end);
         let limit = if self.options.uavs.is_empty() { UAV_TIMEOUT } else { self.options.uav_timeout };
-        // This wait extends the time limit of the probe, which applies to the other requests.
+        // This wait extends the time limit of the probe, because the limit is for the other requests.
         self.end += limit;
         let mut first_after = None;
         loop {
@@ -215,7 +215,7 @@ impl Probe<'_, '_> {
                 self.request(rule, request);
             }
         }
-        // A server may refuse unknown operations, so the second request names none.
+        // A server may refuse unknown operations, so the second request contains no operation.
         for ids in [&[UNKNOWN_ID][..], &[]] {
             let resume = json!({ "type": "ASYNC-RESUME", "ids": ids, "values": {} });
             self.query_for_trial(&env_24::RULE, resume);
@@ -231,12 +231,12 @@ impl Probe<'_, '_> {
         self.step();
     }
 
-    /// True if the server refuses a request as it refuses a request of an unknown type.
+    /// True if the server refuses a request with the same reason as a request of an unknown type.
     pub(super) fn is_unsupported(&self, answer: &Value, type_name: &str) -> bool {
         self.unknown_type.is_some() && reason(answer, type_name) == self.unknown_type
     }
 
-    /// Sends a request whose answer later requests depend on. It is sent even if the user didn't select its type.
+    /// Sends a request whose answer is needed for later requests. It is sent even if the user didn't select its type.
     #[allow(clippy::needless_pass_by_value)] // callers build the body in the call
     pub(super) fn discover(&mut self, body: Value) -> Option<Value> {
         self.request(&env_24::RULE.rule, Request::new("", body))
@@ -250,7 +250,7 @@ impl Probe<'_, '_> {
     }
 }
 
-/// The reason for a refusal, without the type of the request.
+/// The reason for a refusal. The type of the request is removed from the text.
 fn reason(answer: &Value, type_name: &str) -> Option<String> {
     let is_refusal = answer["body"]["type"] == "ACK-NAK";
     is_refusal.then(|| answer["body"]["reason"].as_str().unwrap_or_default().replace(type_name, "…"))
@@ -267,7 +267,7 @@ fn strings(list: Option<&Value>) -> Vec<String> {
     found.into_iter().map(str::to_owned).collect()
 }
 
-/// The UAVs to request in detail: the UAVs that the user named, and then others.
+/// The UAVs to request in detail: first the UAVs that the user named, then others.
 fn selected(mut uavs: Vec<String>, named: &[String]) -> Vec<String> {
     uavs.sort_by_key(|id| !named.contains(id));
     uavs.truncate(MAX_OBJECTS);

@@ -1,7 +1,7 @@
-//! The recording of a probe. Each line is checked as it is written, with the same code that checks recordings. A live
+//! The recording of a probe. Each line is checked when it is written, with the same code that checks recordings. A live
 //! run and its recording therefore have the same findings.
 //!
-//! Until the first Flockwave message arrives, the lines are kept back. If none arrives, the server speaks another
+//! Until the first Flockwave message arrives, lines are only buffered. If none arrives, the server uses another
 //! protocol, and no rule applies to its data.
 
 use std::io::{self, Write};
@@ -17,25 +17,25 @@ use uavspec_rules::definitions::Definitions;
 
 use crate::limits::{MAX_KEPT, MAX_RECORDED};
 
-/// The text recorded for a received message over the length limit.
+/// The text that is recorded in place of a received message that exceeds the length limit.
 pub(super) const TOO_LONG: &[u8] = b"(more than 16 MiB)";
 
-/// The maximum length of the content of another event, in bytes.
+/// The maximum length of the recorded content of an event that isn't a Flockwave message, in bytes.
 const MAX_OTHER: usize = 1_000;
 
-/// The maximum length of the first unknown data, in characters.
+/// The maximum length of the quotation from data of an unknown protocol, in characters.
 const MAX_UNKNOWN: usize = 60;
 
 /// A recording in progress.
 pub(super) struct Tape<'d> {
-    /// Replaced by placeholders in all lines.
+    /// The secrets to replace with placeholders in all lines.
     secrets: Secrets,
     definitions: &'d Definitions,
     clock: Clock,
     checker: FlockwaveChecker<'d>,
     /// False after a panic, which may have left the checker in an invalid state.
     is_checking: bool,
-    /// The lines before the first Flockwave message; `None` after it.
+    /// The buffered lines before the first Flockwave message. `None` after this message.
     kept: Option<Kept>,
     file: Option<Box<dyn Write + 'd>>,
     failure: Option<io::Error>,
@@ -48,15 +48,15 @@ pub(super) struct Tape<'d> {
 /// The lines before the first Flockwave message.
 #[derive(Default)]
 struct Kept {
-    /// The lines, each with a mark that is true for an event.
+    /// The lines. The flag is true for an event.
     lines: Vec<(bool, String)>,
     bytes: usize,
-    /// The start of the first data from the server.
+    /// The start of the first data that the server sent.
     unknown: Option<String>,
 }
 
 impl<'d> Tape<'d> {
-    /// Starts a recording, which is also written to `file`. Placeholders replace secrets in all lines.
+    /// Starts a recording, which is also written to `file`. In all lines, secrets are replaced with placeholders.
     pub(super) fn new(
         definitions: &'d Definitions,
         clock: Clock,
@@ -78,7 +78,7 @@ impl<'d> Tape<'d> {
         }
     }
 
-    /// Drops all findings, and only records from now on.
+    /// Drops all findings. Later messages are only recorded.
     pub(super) fn stop_checking(&mut self) {
         (self.is_checking, self.checker) = (false, FlockwaveChecker::new(self.definitions));
     }
@@ -96,7 +96,7 @@ impl<'d> Tape<'d> {
         }
         let direction = if direction == Direction::In { "in" } else { "out" };
         let content = match std::str::from_utf8(bytes) {
-            // A line end between JSON tokens is insignificant, and JSON strings can't contain line ends.
+            // A line end between JSON tokens has no meaning, and JSON strings can't contain line ends.
             Ok(text) if Tree::read(text).is_ok() => {
                 format!("\"msg\":{}", text.replace(['\n', '\r'], " "))
             }
@@ -121,7 +121,7 @@ impl<'d> Tape<'d> {
         self.line(connection, "event", &content, None);
     }
 
-    /// Records an event with its reason: a connection was `refused` or `closed`, or the latest HTTP request has `failed`,
+    /// Records an event with its reason: a connection was `refused` or `closed`, or the latest HTTP request `failed`
     /// because it has no valid response.
     pub(super) fn event(&mut self, connection: &str, event: &str, why: &str, trial: Option<Trial<'_>>) {
         let content = format!("\"event\":\"{event}\",\"why\":{}", quoted(why));
@@ -162,7 +162,7 @@ impl<'d> Tape<'d> {
         }
     }
 
-    /// Writes the lines that were kept back if this is the first Flockwave message.
+    /// Writes the buffered lines if this is the first Flockwave message.
     fn identify(&mut self, bytes: &[u8]) {
         let Some(kept) = &mut self.kept else { return };
         if !serde_json::from_slice(bytes).is_ok_and(|value| is_flockwave(&value)) {
@@ -181,7 +181,7 @@ impl<'d> Tape<'d> {
         self.kept.is_none()
     }
 
-    /// Drops the lines that were kept back, before a new attempt to connect.
+    /// Drops the buffered lines before a new attempt to connect.
     pub(super) fn forget(&mut self) {
         if let Some(kept) = &mut self.kept {
             *kept = Kept::default();
@@ -200,7 +200,7 @@ impl<'d> Tape<'d> {
 
     /// Returns the findings, and the error if the recording couldn't be written completely.
     pub(super) fn finish(mut self) -> (CaptureResult, Option<io::Error>) {
-        // No rule applies to messages of another protocol, but the events show what happened.
+        // No rule applies to messages of another protocol. The events show what happened.
         for (_, event) in self.kept.take().unwrap_or_default().lines.iter().filter(|(is_event, _)| *is_event)
         {
             self.write(event);
@@ -210,13 +210,13 @@ impl<'d> Tape<'d> {
     }
 }
 
-/// Fails if a recording of this size is too long. Later messages are still checked.
+/// Fails if a recording of this size exceeds the limit. Later messages are still checked.
 fn within(size: u64, limit: u64) -> io::Result<()> {
     let problem = || format!("it would exceed {} bytes; the rest is missing", thousands(limit));
     if size > limit { Err(io::Error::new(io::ErrorKind::FileTooLarge, problem())) } else { Ok(()) }
 }
 
-/// True for a Flockwave message, even if it violates some rules.
+/// True if the value is a Flockwave message. The message may violate some rules.
 fn is_flockwave(value: &Value) -> bool {
     match value {
         Value::Object(_) => value.get("$fw.version").is_some() || value["body"]["type"].is_string(),

@@ -13,13 +13,13 @@ use super::selection::Selection;
 use super::session::Session;
 use super::tape::Tape;
 
-/// The minimum time limit for late answers.
+/// The minimum waiting time for late answers.
 const LATE_ANSWER_TIME: Duration = Duration::from_millis(400);
 
-/// The delay between messages. The delay ensures that each message is sent in a separate segment.
+/// The delay between messages. It ensures that each message is sent in a separate segment.
 const SEND_INTERVAL: Duration = Duration::from_millis(20);
 
-/// The trials for a server that the user selected, in order of execution.
+/// The trials that the user selected and that apply to the server, in order of execution.
 pub(super) fn selected(endpoint: &Endpoint, selection: &Selection) -> Vec<(&'static Rule, Attempt)> {
     let mut attempts = trial::attempts(endpoint);
     attempts.retain(|(rule, attempt)| selection.has_trial(rule, &attempt.how, None));
@@ -90,7 +90,7 @@ impl Probe<'_, '_> {
         Some(session)
     }
 
-    /// Sends each of these messages alone, until one of them ends the service again. The server must be serving.
+    /// Sends each of these messages alone, until one of them ends the service again. Requires a server that is serving.
     fn isolate(&mut self, suspects: &[&Sent], after: &str) {
         let stops = self.stops;
         for sent in suspects {
@@ -100,7 +100,7 @@ impl Probe<'_, '_> {
             self.ensure_witness();
             let trial = Trial { rule: &env_27::RULE.rule, how: after };
             let Some(mut session) = self.open(None, trial) else { return };
-            // The trial's rule has checked these messages before.
+            // The rule of the trial has already checked these messages.
             self.carry_out(&mut session, &[Step::Send((*sent).clone()), Step::request("alone")], None);
             self.close(session);
             if self.stop.is_due() || !self.recover(after) {
@@ -136,7 +136,7 @@ impl Probe<'_, '_> {
             if session.receive(&mut self.tape, until).is_none() {
                 break;
             }
-            // A server may handle one request after the other.
+            // A server may handle requests one after the other.
             if session.num_waiting() < before {
                 until = self.clock.now() + pace;
             }
@@ -148,12 +148,12 @@ impl Probe<'_, '_> {
         if is_open(session) && !session.is_over() {
             self.silences += 1;
         }
-        // A last message that can't be answered doesn't show whether the server still serves.
+        // If the last message can't be answered, it is unknown whether the server still serves.
         !needed.is_empty() && !is_open(session)
     }
 }
 
-/// The messages that may have ended the service: the messages after the latest answered request.
+/// The messages that may have ended the service: all messages after the latest answered request.
 fn suspects<'s>(session: &Session, steps: &'s [Step]) -> Vec<&'s Sent> {
     let sent: Vec<&Sent> = steps.iter().flat_map(Step::messages).collect();
     let is_answered = |sent: &&Sent| sent.id().is_some_and(|id| session.has_answer(id));
@@ -162,7 +162,7 @@ fn suspects<'s>(session: &Session, steps: &'s [Step]) -> Vec<&'s Sent> {
 }
 
 fn perform(session: &mut Session, tape: &mut Tape<'_>, step: &Step, trial: Option<Trial<'_>>) {
-    // A finding already reports that an earlier message has no answer.
+    // Another finding already reports that an earlier message has no answer.
     if session.is_over() {
         return;
     }

@@ -1,5 +1,5 @@
-//! The attempt to undo an effect of a command on one UAV. The status of the UAV decides whether the UAV is safe. An
-//! answer only informs, because it may be missing, null, late or wrong.
+//! The attempt to undo the effect of a command on one UAV. The status of the UAV decides whether it is safe. An answer
+//! is only informative, because it may be missing, null, late or wrong.
 
 use std::time::{Duration, Instant};
 
@@ -9,22 +9,22 @@ use uavspec_types::flockwave::ErrorCode;
 use super::altitude::{AIRBORNE, Descent, Flight, Touchdown, height};
 use super::commanded::{Effect, Reply, has_code, is_at_rest};
 
-/// The time for a UAV to react to a command, after which the command is sent again.
+/// The time within which a UAV must react to a command. Afterwards, the command is sent again.
 pub(super) const REACTION_TIME: Duration = Duration::from_secs(3);
 
-/// The time for which a UAV must refuse to land without descending, before it is made to return. Also the time that its
-/// return may take.
+/// The time after which a UAV that refuses to land and doesn't descend is commanded to return. Also the time within
+/// which it must return.
 const REFUSAL_TIME: Duration = Duration::from_secs(5);
 const RETURN_TIME: Duration = Duration::from_secs(30);
 
 /// The evidence about a UAV at one time.
 pub(super) struct Evidence<'e> {
     pub(super) now: Instant,
-    /// The status of the UAV; null if the server doesn't report it.
+    /// The status of the UAV. Null if the server doesn't report it.
     pub(super) status: &'e Value,
     /// The flight of the UAV, if it may have taken off.
     pub(super) flight: Option<&'e mut Flight>,
-    /// True if the server refused the command that is undone.
+    /// True if the server refused the command whose effect is being undone.
     pub(super) was_refused: bool,
     /// True if the operation that undoes the effect succeeded, and false if it failed. `None` until it ends.
     pub(super) outcome: Option<bool>,
@@ -34,13 +34,13 @@ pub(super) struct Evidence<'e> {
 #[derive(Debug)]
 pub(super) struct Undoing {
     effect: Effect,
-    /// The time that an operation may take.
+    /// The maximum time for an operation.
     patience: Duration,
     /// The latest command.
     sent: Option<Sent>,
     /// The number of commands that were sent.
     pub(super) commands: u32,
-    /// The time since which the server has refused or accepted all commands.
+    /// The times since which the server has refused all commands, or accepted all commands.
     refused_since: Option<Instant>,
     accepted_since: Option<Instant>,
     descent: Descent,
@@ -49,7 +49,7 @@ pub(super) struct Undoing {
     absent: Option<Value>,
     /// The timestamp of the latest status.
     timestamp: Value,
-    /// The time at which the UAV was made to return.
+    /// The time at which the UAV was commanded to return.
     returned_at: Option<Instant>,
 }
 
@@ -63,7 +63,7 @@ struct Sent {
 }
 
 impl Undoing {
-    /// An attempt before its first command. `patience` is the time that an operation may take.
+    /// An attempt before its first command. `patience` is the maximum time for an operation.
     pub(super) fn new(effect: Effect, patience: Duration) -> Self {
         Self {
             effect,
@@ -80,18 +80,19 @@ impl Undoing {
         }
     }
 
-    /// True if the command must be sent now. A new connection may follow the end of a server that forgot the command.
+    /// True if the command must be sent now. It is sent again on a new connection, because the server may have
+    /// restarted and forgotten the command.
     pub(super) fn is_due(&self, connection: &str, now: Instant, outcome: Option<bool>) -> bool {
         let Some(sent) = &self.sent else { return true };
-        // A UAV that descends obeys the command.
+        // If a UAV descends, it obeys the command.
         let since = self.descent.progressed_at.map_or(sent.at, |at| at.max(sent.at));
-        // A UAV in the air must react to the command, regardless of the state of the operation.
+        // A flying UAV must react to the command, whatever the state of the operation is.
         let is_pending = self.effect != Effect::Airborne && sent.receipt().is_some() && outcome.is_none();
         let limit = if is_pending { self.patience } else { REACTION_TIME };
         sent.connection != connection || now.saturating_duration_since(since) >= limit
     }
 
-    /// Notes that the command was sent, and the answer, if there was one.
+    /// Records that the command was sent, and the answer, if any.
     pub(super) fn sent(&mut self, connection: &str, now: Instant, reply: Option<Reply>) {
         let is_refused = matches!(reply, Some(Reply::Refusal(_)));
         let is_accepted = matches!(reply, Some(Reply::Success));
@@ -106,7 +107,7 @@ impl Undoing {
         self.sent.as_ref()?.receipt()
     }
 
-    /// Takes evidence. Returns the reason why the UAV isn't known to be safe.
+    /// Takes evidence. If the UAV isn't known to be safe, returns an error with the reason.
     pub(super) fn see(&mut self, evidence: Evidence<'_>) -> Result<(), String> {
         match self.effect {
             Effect::Airborne => self.see_flight(evidence),
@@ -114,7 +115,7 @@ impl Undoing {
         }
     }
 
-    /// Decides from consecutive states that a UAV is on the ground.
+    /// Decides from consecutive statuses whether a UAV is on the ground.
     fn see_flight(&mut self, evidence: Evidence<'_>) -> Result<(), String> {
         let Evidence { now, status, mut flight, .. } = evidence;
         if let Some(height) = height(flight.as_deref_mut(), status) {
@@ -127,8 +128,8 @@ impl Undoing {
         })
     }
 
-    /// Decides that a UAV on the ground is awake, or that its motors don't run. A command without an answer may still
-    /// arrive, so the UAV isn't known to be safe.
+    /// Decides whether a UAV on the ground is awake, or whether its motors have stopped. An unanswered command may
+    /// still arrive, so the UAV then isn't known to be safe.
     fn see_on_ground(&mut self, evidence: &Evidence<'_>) -> Result<(), String> {
         let (command, status) = (self.effect.undo_type(), evidence.status);
         let Some(sent) = &self.sent else { return Err(format!("{command} was not sent")) };
@@ -136,7 +137,7 @@ impl Undoing {
         let is_accepted = *reply == Reply::Success || evidence.outcome == Some(true);
         if !status.is_object() {
             let since = self.accepted_since.or(is_accepted.then_some(sent.at));
-            // A server might not know the states of its UAVs.
+            // A server may not know the states of its UAVs.
             let is_over =
                 since.is_some_and(|since| evidence.now.saturating_duration_since(since) >= REACTION_TIME);
             return if is_over { Ok(()) } else { Err("its status is unknown".to_owned()) };
@@ -152,18 +153,18 @@ impl Undoing {
             && evidence.now.saturating_duration_since(sent.at) < self.patience;
         // A UAV that refused both commands was never in this state.
         let was_never = evidence.was_refused && matches!(reply, Reply::Refusal(_));
-        // A sleeping UAV sends no new status. Running motors are reported instead of the ground.
+        // A sleeping UAV sends no new status. A UAV with running motors reports them instead of being on the ground.
         let is_shown = is_new && (self.effect == Effect::Asleep || is_at_rest(status));
         match () {
             () if is_accepted || was_never => Ok(()),
             () if is_pending => Err(format!("the operation of {command} has not ended")),
             () if is_shown => Ok(()),
-            () => Err(self.refusal().unwrap_or_else(|| "no new status shows it".to_owned())),
+            () => Err(self.refusal().unwrap_or_else(|| "no new status confirms the change".to_owned())),
         }
     }
 
-    /// True if a UAV must return because it refuses to land. A UAV on the ground would take off, and a UAV that descends
-    /// would climb, so the UAV must be seen to do neither.
+    /// True if a UAV must be commanded to return, because it refuses to land. This command would make a UAV on the
+    /// ground take off, and a descending UAV climb, so evidence must exclude both.
     pub(super) fn must_return(&mut self, evidence: Evidence<'_>) -> bool {
         let Evidence { now, status, flight, .. } = evidence;
         let before = std::mem::replace(&mut self.timestamp, status["timestamp"].clone());
@@ -181,7 +182,7 @@ impl Undoing {
             && is_longer_than(self.returned_at, RETURN_TIME)
     }
 
-    /// Notes that the UAV was made to return.
+    /// Records that the UAV was commanded to return.
     pub(super) fn returned(&mut self, now: Instant) {
         (self.returned_at, self.touchdown) = (Some(now), Touchdown::default());
     }
@@ -216,7 +217,8 @@ mod tests {
         Evidence { now, status, flight, was_refused: false, outcome: None }
     }
 
-    /// A reply to the command, and the seconds, codes and timestamp of each status that follows.
+    /// The result for a reply to the command, followed by statuses. Each status consists of a time in seconds, error
+    /// codes and a timestamp.
     fn on_ground(effect: Effect, reply: Option<Reply>, seen: &[(u64, Value, u64)]) -> Result<(), String> {
         let start = Clock::simulated().now();
         let mut undoing = Undoing::new(effect, Duration::from_secs(10));
@@ -240,7 +242,7 @@ mod tests {
     #[test]
     fn the_status_decides_that_motors_have_stopped() {
         let stopped = |reply, states: &[(u64, Value, u64)]| on_ground(Effect::MotorsOn, reply, states);
-        // After an answer without information, a new status must show the result.
+        // If the answer contains no information, a new status must show the result.
         for reply in [Some(Reply::Missing), Some(refusal())] {
             assert_eq!(stopped(reply.clone(), &[(0, json!([1]), 1), (1, json!([1]), 2)]), Ok(()));
             for states in [
@@ -277,7 +279,7 @@ mod tests {
         assert_eq!(on_ground(Effect::Asleep, pending, &states), Ok(()));
     }
 
-    /// The seconds at which commands to land are sent to a UAV with these heights in m, one for each second.
+    /// The seconds at which a UAV receives commands to land. `heights` are its heights in m, one for each second.
     fn commands(heights: &[i64]) -> Vec<usize> {
         let start = Clock::simulated().now();
         let mut undoing = Undoing::new(Effect::Airborne, Duration::from_secs(10));
@@ -306,7 +308,8 @@ mod tests {
         assert!(undoing.is_due("tcp#2", now, None) && !undoing.is_due("tcp#1", now, None));
     }
 
-    /// True if a UAV that refuses to land is made to return: its height in m and its codes each second.
+    /// True if a UAV that refuses to land is commanded to return. `seen` contains its height in m and its error codes,
+    /// for each second.
     fn returns(seen: &[(i64, Value)]) -> bool {
         let start = Clock::simulated().now();
         let mut undoing = Undoing::new(Effect::Airborne, Duration::from_secs(10));

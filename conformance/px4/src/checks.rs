@@ -12,7 +12,7 @@ use uavspec_schema::{EventEnum, EventKind};
 use crate::event::RawEvent;
 use crate::limits::{MAX_CHUNKS, MAX_PROBLEMS};
 
-/// The number of problems in a report after which PX4 drops further problems. The summaries contain their bits.
+/// The maximum number of problems that PX4 sends in a report. The summaries also contain the bits of dropped problems.
 const MAX_SENT: usize = 14;
 
 /// A report. The modes, components and problems of all chunks are combined.
@@ -325,12 +325,12 @@ mod tests {
         reports.latest().expect("a report").clone()
     }
 
-    /// For each mode, two flags: the vehicle can arm, and the mode can run.
+    /// The modes, each with two flags: the vehicle can arm in it, and it can run.
     fn modes(report: &Report) -> Vec<(&str, bool, bool)> {
         report.modes.values().map(|mode| (&*mode.name, mode.can_arm, mode.can_run)).collect()
     }
 
-    /// For each component, three flags: it is present, has an error, and has a warning.
+    /// The components, each with three flags: it is present, it has an error, and it has a warning.
     fn components(report: &Report) -> Vec<(&str, [bool; 3])> {
         let state = |found: &Component| [found.is_present, found.has_error, found.has_warning];
         report.components.values().map(|found| (&*found.name, state(found))).collect()

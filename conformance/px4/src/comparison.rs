@@ -106,7 +106,7 @@ enum Relation {
     OtherContent,
 }
 
-/// The differences between the fields of two unequal types, by name. `text` is the type of a field.
+/// The differences between the fields of two unequal types, by name. `text` formats the type of a field.
 fn differences<T: Copy>(
     found: &BTreeMap<&str, T>,
     expected: &BTreeMap<&str, T>,

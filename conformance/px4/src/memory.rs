@@ -392,7 +392,7 @@ impl Values {
     }
 }
 
-/// The restriction of a number with a definition.
+/// The restriction that the definition of a field imposes on numbers, if there is one.
 fn restriction(source: Source<'_>) -> Option<Box<Restriction>> {
     let (message, defined) = source.defined?;
     let mut restriction = Box::new(defined.restriction.clone()?);
@@ -405,7 +405,7 @@ fn restriction(source: Source<'_>) -> Option<Box<Restriction>> {
     Some(restriction)
 }
 
-/// The maximum number of rules and steps whose further findings are only counted.
+/// The maximum number of pairs of a rule and a step whose further findings are only counted.
 const MAX_SETTLED: usize = 16;
 
 /// The check of one payload.
@@ -417,7 +417,8 @@ struct Run<'r> {
     findings: &'r mut Findings,
     /// The number of findings.
     reported: usize,
-    /// The rules and steps whose further findings are only counted, each with the field's definition and the number.
+    /// The pairs of a rule and a step whose further findings are only counted, each with the field's definition and the
+    /// count.
     settled: Vec<(&'static Rule, &'r Step, Option<Span>, u64)>,
 }
 

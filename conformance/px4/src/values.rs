@@ -35,7 +35,8 @@ pub(super) enum Encoding {
     Json,
 }
 
-/// The fields that a JSON Schema in a capture shares with a differing definition. True if the schema requires the field.
+/// The fields that a JSON Schema in a capture shares with a differing definition. The value is true if the schema
+/// requires the field.
 pub type SharedFields = BTreeMap<String, bool>;
 
 /// The constraints on the values of all messages in a schema.

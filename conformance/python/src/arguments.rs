@@ -1,4 +1,4 @@
-//! The arguments of the functions.
+//! Converts the arguments of functions.
 
 use std::path::PathBuf;
 
@@ -7,14 +7,14 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use uavspec_tables::{Capture, Options};
 
-/// The name of bytes without a name.
+/// The name of bytes that are passed without a name.
 const UNNAMED: &str = "bytes";
 
 /// The capture that an argument denotes: a path, a URL, or the content of a file.
 pub(crate) fn capture(argument: &Bound<'_, PyAny>, name: Option<String>) -> PyResult<Capture> {
     if let Ok(path) = argument.extract::<PathBuf>() {
         if name.is_some() {
-            return Err(PyTypeError::new_err("only bytes have a name"));
+            return Err(PyTypeError::new_err("a name is allowed only for bytes"));
         }
         // A path that isn't UTF-8 can't be a name.
         let path = path.into_os_string().into_string();
@@ -26,7 +26,7 @@ pub(crate) fn capture(argument: &Bound<'_, PyAny>, name: Option<String>) -> PyRe
     Ok(Capture::Bytes { name: name.unwrap_or_else(|| UNNAMED.to_owned()), bytes: bytes.into() })
 }
 
-/// Like [`capture`], or a pair of a name and bytes.
+/// Like [`capture`], but also accepts a pair of a name and bytes.
 pub(crate) fn item(argument: &Bound<'_, PyAny>) -> PyResult<Capture> {
     match argument.extract::<(String, Bound<'_, PyAny>)>() {
         Ok((name, bytes)) => capture(&bytes, Some(name)),

@@ -4,8 +4,8 @@
 //!  Python ──capture, options──▶ functions ──▶ uavspec_tables ──▶ Report, Table ──▶ Python
 //! ```
 //!
-//! The work runs in separate threads, without Python's lock. The functions and their documentation for users
-//! are in `__init__.py`.
+//! The work runs in separate threads, without Python's lock. The functions for users, and their documentation, are in
+//! `__init__.py`.
 
 #![cfg(feature = "module")]
 

@@ -7,7 +7,7 @@ use uavspec_tables::{self as tables, Checked, Tables};
 use crate::Error;
 use crate::table::Table;
 
-/// The table with a name. Python keeps it as long as it is used.
+/// The table with this name. Python keeps it alive as long as it is used.
 fn table(tables: &Tables, name: &str) -> PyResult<Table> {
     let missing = || Error::new_err(format!("there is no table `{name}`: pass timeline=True"));
     tables.get(name).cloned().map(Table::from).ok_or_else(missing)

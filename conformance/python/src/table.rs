@@ -1,4 +1,4 @@
-//! Tables, which other libraries take through the `PyCapsule` interface of Arrow.
+//! Tables, which other libraries can read through Arrow's `PyCapsule` interface.
 
 use std::collections::BTreeMap;
 
@@ -63,7 +63,7 @@ impl Table {
         PyCapsule::new_with_value(py, schema, c"arrow_schema")
     }
 
-    /// Consumers must accept any schema, so a request for another one has no effect.
+    /// Consumers must accept any schema, so the requested schema has no effect.
     #[pyo3(signature = (requested_schema=None))]
     fn __arrow_c_stream__<'py>(
         &self,

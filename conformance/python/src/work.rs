@@ -1,4 +1,4 @@
-//! Work without Python's lock.
+//! Runs work without Python's lock.
 
 use std::collections::VecDeque;
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -11,17 +11,17 @@ use uavspec_tables::{Checker, Options, Problem};
 
 use crate::Error;
 
-/// The interval at which an interrupt by the user is noticed.
+/// The interval between checks for an interrupt by the user.
 const INTERVAL: Duration = Duration::from_millis(50);
 
-/// The maximum number of checkers in memory.
+/// The maximum number of checkers that are kept in memory.
 const MAX_CHECKERS: usize = 4;
 
-/// The latest checkers, with their options. A checker keeps the releases that it has read.
+/// The most recent checkers, with their options. A checker keeps the releases that it has read.
 static CHECKERS: Mutex<VecDeque<(Options, Arc<Checker>)>> = Mutex::new(VecDeque::new());
 
-/// Runs work in a thread, so that neither Python's other threads nor an interrupt wait for it. After an interrupt, the
-/// thread ends when the work does.
+/// Runs work in a separate thread, so that it blocks neither other Python threads nor an interrupt. After an interrupt,
+/// the thread ends when its work is finished.
 pub(crate) fn run<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce() -> Result<T, Problem> + Send + 'static,
@@ -29,7 +29,7 @@ pub(crate) fn run<T: Send + 'static>(
     let (sender, results) = channel();
     let started = thread::Builder::new().name("uavspec".to_owned()).spawn(move || sender.send(work()));
     started.map_err(|error| Error::new_err(format!("can't start a thread: {error}")))?;
-    // Without Python's lock, only values that threads can share may be used. Receivers can't be shared.
+    // Without Python's lock, only values that threads can share may be used. A receiver can't be shared.
     let results = Mutex::new(results);
     loop {
         let received =
@@ -47,7 +47,7 @@ pub(crate) fn run<T: Send + 'static>(
     }
 }
 
-/// The checker with these options.
+/// Returns a checker with these options. Reuses a checker that is kept in memory, unless the options name files.
 pub(crate) fn checker(options: &Options) -> Result<Arc<Checker>, Problem> {
     // Files may change between two calls.
     let has_files =

@@ -205,7 +205,7 @@ def test_problems_are_errors(tmp_path: Path):
     for wrong in (None, 7, ["a.ulg"]):
         with pytest.raises(TypeError):
             uavspec.check(wrong)  # type: ignore[arg-type]
-    with pytest.raises(TypeError, match="only bytes have a name"):
+    with pytest.raises(TypeError, match="a name is allowed only for bytes"):
         uavspec.check("a.ulg", name="b.ulg")
     for single in ("flight.ulg", b"content", bytearray(b"content"), memoryview(b"content"), tmp_path):
         with pytest.raises(TypeError, match="captures: expected a list, found a single value"):

@@ -1,6 +1,6 @@
 //! The findings of all subjects, grouped by rule.
 //!
-//! Only as many groups and files are kept as reports list. The others are counted.
+//! Only the groups and files that reports list are kept. The others are counted.
 
 use std::cmp::Reverse;
 use std::collections::hash_map::DefaultHasher;
@@ -13,8 +13,8 @@ use uavspec_rules::px4;
 
 use crate::{Example, Finding, Report, RuleReport, Subject, Verdict};
 
-/// The maximum number of groups with the same rule and verdict that are kept. Reports list at most this many groups of a
-/// rule.
+/// The maximum number of groups with the same rule and verdict that are kept. Reports list at most this number of
+/// groups of a rule.
 const MAX_GROUPS: usize = 54;
 
 /// The maximum number of groups that are kept.
@@ -29,7 +29,7 @@ const MAX_ALL_FILES: usize = 20_000;
 /// The maximum number of groups of a rule that are counted but not kept.
 const MAX_UNKEPT: usize = 10_000;
 
-/// The groups of all subjects that were added.
+/// The groups of all subjects that have been added.
 #[derive(Debug, Default)]
 pub(crate) struct Groups {
     rules: BTreeMap<&'static str, OfRule>,
@@ -42,11 +42,11 @@ pub(crate) struct Groups {
 struct OfRule {
     /// The groups in the order of appearance.
     kept: Vec<Group>,
-    /// The hashes of the names and verdicts of the other groups.
+    /// The hashes of the names and verdicts of the groups that aren't kept.
     others: BTreeSet<u64>,
 }
 
-/// The findings of a rule in one topic or field, with the same verdict.
+/// The findings of one rule in one topic or field that have the same verdict.
 #[derive(Debug)]
 pub(crate) struct Group {
     /// The topic or field.
@@ -56,11 +56,11 @@ pub(crate) struct Group {
     pub(crate) count: u64,
     /// The path of the first file or server.
     pub(crate) path: String,
-    /// True if the first file's lines can be looked up.
+    /// True if lines of the first file can be looked up.
     pub(crate) is_readable_again: bool,
     /// The first finding.
     pub(crate) first: Finding,
-    /// The findings in the first other files.
+    /// The findings in other files, for the first of these files.
     pub(crate) others: Vec<OtherFile>,
     /// The number of other files.
     pub(crate) num_others: usize,
@@ -72,7 +72,7 @@ pub(crate) struct OtherFile {
     pub(crate) path: String,
     /// The number of findings.
     pub(crate) count: u64,
-    /// The place and the text of the first finding.
+    /// The location and the text of the first finding.
     pub(crate) first: Option<(String, String)>,
     pub(crate) known: Option<Excuse>,
 }
@@ -141,13 +141,14 @@ impl Groups {
     }
 }
 
-/// True if the summary of each file lists the findings. This applies to format differences that are not failures.
+/// True if the summary of each file lists the findings of this rule, because they are format differences that aren't
+/// failures.
 fn is_in_summary(rule: &RuleReport) -> bool {
     rule.id == px4::FMT_01.rule.id && rule.verdict != Verdict::Fail
 }
 
 impl Listed<'_> {
-    /// The number of findings that aren't in the first groups.
+    /// The number of findings beyond the first groups.
     pub(crate) fn more_than(&self, num_groups: usize) -> u64 {
         let listed: u64 = self.groups.iter().take(num_groups).map(|group| group.count).sum();
         self.rule.findings.saturating_sub(listed)
@@ -180,7 +181,8 @@ impl Group {
         }
     }
 
-    /// The number of findings, and the place of the first one. If there are several files, the first file is named.
+    /// The number of findings, and the location of the first one. If there are several files, the text names the first
+    /// file.
     pub(crate) fn places(&self, is_single: bool) -> Option<String> {
         let place = place(self.is_readable_again, self.first.examples.first()?);
         let times = match (self.count, self.num_others as u64 + 1) {
@@ -193,8 +195,8 @@ impl Group {
     }
 }
 
-/// The location of an example, its time and its connection, if they are known. A session that wasn't recorded has no
-/// lines that can be looked up.
+/// The location of an example, with its time and its connection if they are known. A session that wasn't recorded has
+/// no lines to look up, so its location is left out.
 pub(crate) fn place(is_readable_again: bool, example: &Example) -> String {
     let location = is_readable_again.then(|| format!("at {}", example.location));
     let parts = location.into_iter().chain(Some(example.moment()).filter(|moment| !moment.is_empty()));

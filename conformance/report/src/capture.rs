@@ -24,9 +24,9 @@ pub struct CheckedCapture {
     pub result: CaptureResult,
     /// Notable events during a probe, in order. They are not findings.
     pub notes: Vec<String>,
-    /// The request types of the definitions, if this is a server that was probed.
+    /// The request types of the definitions, if the subject is a probed server.
     pub requests: Vec<RequestType>,
-    /// The reasons why the capture is incomplete although it can be read, such as a probe that was cut short.
+    /// The reasons why the capture is incomplete although it can be read: for example, the probe was cut short.
     pub cut_short: Vec<String>,
     /// The duration of the check, in milliseconds.
     pub elapsed: u128,
@@ -48,22 +48,23 @@ pub struct Settings {
     pub are_formats_strict: bool,
     /// True if violations of rules of level SHOULD count as failures.
     pub are_warnings_denied: bool,
-    /// The minimum percentage of topics or types that must be fully checked. Otherwise, partial coverage is incomplete.
+    /// The minimum percentage of topics or types that must be fully checked. With a lower percentage, the outcome is
+    /// incomplete.
     pub min_coverage: Option<f64>,
     /// True if the exit status of an incomplete outcome is 0.
     pub allows_incomplete: bool,
     /// True if the session of a probe isn't recorded in a file.
     pub is_unrecorded: bool,
-    /// The arguments of `check` that reproduce the findings, without the files.
+    /// The arguments of `check` that reproduce the findings, without the file names.
     pub arguments: Vec<String>,
     /// The command that reproduces the findings, if it isn't `check`.
     pub command: Option<String>,
-    /// The words of the command that probes a server again, without the URL and the selected parts.
+    /// The words of the command that repeats the probe of a server, without the URL and the selected parts.
     pub probe: Option<Vec<String>>,
 }
 
 impl Settings {
-    /// The command that probes a server again, but sends only the requests of a rule or a message type.
+    /// The command that repeats the probe of a server, but sends only the requests of a rule or a message type.
     fn showing(&self, only: &str, url: &str) -> Option<String> {
         let selection = if only.is_empty() { vec![] } else { vec!["--only", only] };
         let words = self.probe.as_ref()?.iter().map(String::as_str).chain(selection);
@@ -76,7 +77,7 @@ impl Settings {
             return command.clone();
         }
         let words = ["uavspec", "check"].into_iter().chain(self.arguments.iter().map(String::as_str));
-        // A path that starts with a dash looks like an option. `-` alone denotes standard input.
+        // A path that starts with a dash would be read as an option. `-` alone denotes standard input.
         let is_like_option = path.starts_with('-') && path != "-";
         let path = if is_like_option { format!("./{path}") } else { path.to_owned() };
         uavspec_model::text::command_line(words.chain([path.as_str()]))
@@ -99,7 +100,7 @@ impl Subject {
         let notes = [std::mem::take(&mut result.notes), notes].concat();
         let cut_short = [std::mem::take(&mut result.cut_short), cut_short].concat();
         let findings = &result.findings;
-        // Rules for other kinds of captures aren't listed.
+        // Rules that apply to other kinds of captures aren't listed.
         let is_session = result.summary.describe().is_session();
         let is_known = !matches!(result.summary, Summary::Unknown(_));
         let rules: Vec<RuleVerdict> = RULES

@@ -52,7 +52,7 @@ pub(super) fn failed_cases(testee: &Testee) -> impl Iterator<Item = &Case> {
     testee.cases.iter().filter(|case| case.verdict.is_failure())
 }
 
-/// The entries that belong to no subject.
+/// The entries that concern the run instead of a subject.
 pub(super) fn of_run(report: &Report) -> Vec<Entry> {
     let unreadable = report
         .unreadable
@@ -177,7 +177,7 @@ fn whole_file(path: &str) -> Place {
     place(path, Region::Whole)
 }
 
-/// A part of a file. Places contain `/` on every system.
+/// A region of a file. The path contains `/` on every system.
 pub(super) fn place(path: &str, region: Region) -> Place {
     let path = if cfg!(windows) { path.replace('\\', "/") } else { path.to_owned() };
     Place { path, region }

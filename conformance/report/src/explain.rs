@@ -1,6 +1,6 @@
 //! Explains words: error codes, topics, messages, fields, values, constants, hashes and rules.
 //!
-//! The definitions of all releases are read only if a word needs them: error codes and rules don't.
+//! The definitions of all releases are read only for words that need them: error codes and rules don't.
 
 mod annotation;
 mod answer;
@@ -30,10 +30,10 @@ use crate::explain::catalogue::Catalogue;
 use crate::explain::target::{Place, Target};
 use crate::rule_list;
 
-/// The maximum length of a word, in bytes. Longer words are not names.
+/// The maximum length of a word, in bytes. Longer texts can't be names.
 pub(crate) const MAX_WORD: usize = 200;
 
-/// The maximum number of candidates that are searched for the only field that can have a value.
+/// The maximum number of candidate fields that are searched for the only one that can have a value.
 const MAX_COMPARED: usize = 8;
 
 /// A word that can't be explained.
@@ -41,7 +41,7 @@ const MAX_COMPARED: usize = 8;
 pub struct Unknown {
     /// The problem.
     pub problem: String,
-    /// The help, such as a similar name.
+    /// A hint, such as a similar name.
     pub help: String,
 }
 
@@ -100,7 +100,7 @@ fn asked(catalogue: &Catalogue<'_>, place: &Place, value: &str) -> Result<Field,
     Ok(field)
 }
 
-/// The field that can have a value, if it is the only one of the candidates.
+/// Explains the field that can have the value, if exactly one of the candidates can. Otherwise, lists the candidates.
 fn only_possible(catalogue: &Catalogue<'_>, candidates: Candidates, value: &str) -> Answer {
     let paths = candidates.candidates.iter().filter(|_| candidates.candidates.len() <= MAX_COMPARED);
     let found = paths.flat_map(|path| target::find(catalogue, path));

@@ -26,23 +26,23 @@ const STYLE: &str = include_str!("html/style.css");
 /// The content security policy: only the embedded style sheet is allowed.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'";
 
-/// The maximum number of subjects that have their own section. Browsers can't open a page with the findings of ten
-/// thousand logs.
+/// The maximum number of subjects that have a section. Browsers can't open a page with the findings of ten thousand
+/// logs.
 const MAX_SUBJECTS: usize = 100;
 
 /// A page under construction.
 #[derive(Debug, Default)]
 pub(super) struct Html {
     action: Action,
-    /// The command line that reproduces the report.
+    /// The rows for the first subjects in the list of files.
     command: String,
     groups: Groups,
-    /// The rows of the first subjects in the list of files.
+    /// The section for the first subject, in a report that has no other subjects.
     rows: String,
     num_rows: usize,
-    /// The section of the first subject, for a report without others.
+    /// The sections for the first subjects.
     only: String,
-    /// The first sections of subjects.
+    /// The number of subjects that need a section.
     sections: String,
     /// The number of subjects that need a section.
     num_sections: usize,
@@ -105,7 +105,7 @@ impl Html {
     }
 }
 
-/// A link, or only its text if there is no URL.
+/// A link. If there is no URL, only its text.
 pub(super) fn link(class: &str, url: &str, text: &str) -> Markup {
     html! {
         @if url.is_empty() { span class=(class) { (text) } }
@@ -113,7 +113,7 @@ pub(super) fn link(class: &str, url: &str, text: &str) -> Markup {
     }
 }
 
-/// The end of a page.
+/// The footer of a page.
 pub(super) fn page_foot(command: &str, version: &str) -> Markup {
     html! {
         footer {
@@ -124,7 +124,7 @@ pub(super) fn page_foot(command: &str, version: &str) -> Markup {
     }
 }
 
-/// The head of a page. `styles` follow the common style sheet.
+/// The head of a page. `styles` are added after the common style sheet.
 pub(super) fn page_head(title: &str, version: &str, policy: &str, styles: &str) -> Markup {
     html! {
         head {
@@ -139,7 +139,8 @@ pub(super) fn page_head(title: &str, version: &str, policy: &str, styles: &str) 
     }
 }
 
-/// True if the page has a table of files or testees. A probe has a single server, which the head names.
+/// True if the page has a table of files or testees. A probe of a single server needs none, because the head names the
+/// server.
 fn has_list(report: &Report) -> bool {
     let Report { action, totals, unreadable, not_checked, .. } = report;
     *action != Action::Probe && (totals.subjects + not_checked.len() > 1 || !unreadable.is_empty())
@@ -162,7 +163,7 @@ fn head(report: &Report) -> Markup {
         Action::Test => "Conformance of a codec",
         Action::Probe => "Conformance of a live server",
     };
-    // The list of files contains the failures of files.
+    // The failures of files are in the list of files.
     let failures = if has_list(report) { &[][..] } else { &report.unreadable };
     html! {
         header.head.(class(*outcome)) {
@@ -269,7 +270,7 @@ fn class(outcome: OutcomeKind) -> &'static str {
     }
 }
 
-/// Renders one of uavspec's own texts, which never come from the input. Text between backticks becomes code.
+/// Renders one of uavspec's own texts, which never come from the input. Text in backticks becomes code.
 fn with_code(text: &str) -> Markup {
     html! {
         @for (index, part) in text.split('`').enumerate() {

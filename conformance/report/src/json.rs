@@ -9,8 +9,8 @@ use uavspec_schema::json_text;
 use super::kind::{Format, Parts};
 use super::{Report, Subject};
 
-/// The list of subjects, in a report without subjects. Texts contain no line breaks, and the lines of inner objects are
-/// indented further, so this line is unique.
+/// The line that contains the list of subjects in a report without subjects. Texts contain no line breaks, and the
+/// lines of inner objects are indented more, so this line is unique.
 const NO_SUBJECTS: &str = "\n  \"subjects\": [],\n";
 
 /// A JSON report under construction.

@@ -1,7 +1,7 @@
-//! Renders reports as `JUnit` XML: one suite per subject. A capture has one case per rule, and a testee has one per
-//! test case.
+//! Renders reports as `JUnit` XML: one suite for each subject. A capture has one case for each rule. A testee has one
+//! case for each test case.
 //!
-//! CI systems identify a case by class and name, so the class and the name don't depend on the findings.
+//! CI systems identify a case by class and name, so neither depends on the findings.
 
 use std::fmt::Write as _;
 use std::io::{self, Write};
@@ -70,7 +70,7 @@ fn file_suite(file: &Unreadable, outcome: Outcome) -> Suite {
     Suite { name, cases: vec![case] }
 }
 
-/// The suite for failure reasons that belong to no subject.
+/// The suite for reasons for failure that concern no subject.
 fn run_suite(name: &str, reasons: &[uavspec_model::Reason]) -> Option<Suite> {
     let messages: Vec<String> = reasons.iter().map(|reason| shown(&reason.to_string())).collect();
     let (kind, message) = ("run".to_owned(), messages.first()?.clone());

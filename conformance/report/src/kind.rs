@@ -14,15 +14,16 @@ use super::short::Short;
 use super::text::Text;
 use super::{Action, Report, Subject};
 
-/// The parts of a report about the added subjects, one after the other.
+/// The report parts of all added subjects, one after the other.
 pub(super) type Parts<'p> = &'p mut dyn BufRead;
 
 /// A report in one format, under construction.
 pub(super) trait Format {
-    /// Adds a subject. Returns the part of the report about this subject, unless the format keeps it.
+    /// Adds a subject. Returns the part of the report about this subject. The part is empty if the format keeps it
+    /// until the end.
     fn add(&mut self, subject: &Subject) -> String;
 
-    /// Writes the whole report. `report` may have no subjects; its totals include all added subjects.
+    /// Writes the whole report. `report` may contain no subjects, but its totals include all subjects that were added.
     fn finish(self: Box<Self>, report: &Report, parts: Parts<'_>, to: &mut dyn Write) -> io::Result<()>;
 }
 
@@ -48,10 +49,10 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Starts a report of a command. `command` is the command line that reproduces it.
+    /// Starts a report of a command. `command` is the command line that reproduces the report.
     ///
-    /// The formats escape all text of the input. A guard escapes hidden characters that a format misses. JSON escapes
-    /// hidden characters without loss. The guard of the terminal handles text, because it recognizes colours.
+    /// The formats escape all text of the input. A guard escapes any hidden characters that a format misses. In JSON,
+    /// the escapes lose nothing. The guard for the terminal also recognizes colours, so it handles text.
     pub(super) fn format(self, action: Action, command: &str) -> Box<dyn Format> {
         match self {
             Self::Text => Box::new(Text),
@@ -79,7 +80,7 @@ impl TableFormat {
     /// All formats.
     pub const ALL: [Self; 2] = [Self::Parquet, Self::Arrow];
 
-    /// The name on the command line, and the extension of the files.
+    /// The name on the command line, which is also the extension of the files.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Parquet => "parquet",

@@ -340,7 +340,7 @@ impl Report {
         Self { subjects, ..Self::of_totals(action, command, definitions, totals, unreadable, reasons) }
     }
 
-    /// Creates the report of a run whose subjects are only known by their totals.
+    /// Creates the report of a run, if only the totals of its subjects are available.
     pub fn of_totals(
         action: Action,
         command: String,
@@ -372,7 +372,7 @@ impl Report {
         Self { not_checked, ..self }
     }
 
-    /// Reports that an earlier run has checked all captures.
+    /// Changes the outcome to state that an earlier run has checked all captures.
     #[must_use]
     pub fn with_nothing_new(self) -> Self {
         let text = "No new captures: an earlier run has checked all of them";
@@ -416,7 +416,7 @@ impl RuleReport {
 }
 
 impl Subject {
-    /// The counts that exist for every kind of capture.
+    /// The counts that every kind of capture has.
     fn totals(&self) -> uavspec_check::Totals {
         uavspec_check::Totals { records: self.records, duration_us: self.duration_us }
     }
@@ -457,7 +457,7 @@ impl Subject {
 }
 
 impl Example {
-    /// The location in the record; empty if [`Self::text`] starts with this location.
+    /// The location in the record. Empty if [`Self::text`] already starts with this location.
     pub(crate) fn at(&self) -> &str {
         if self.path == self.part { "" } else { &self.path }
     }
@@ -478,7 +478,7 @@ impl Example {
         [moment, log_time, sequence].into_iter().flatten().collect::<Vec<_>>().join(", ")
     }
 
-    /// The message, preceded by the part that it refers to.
+    /// The message, preceded by the part of the subject that it refers to.
     pub(crate) fn text(&self) -> String {
         if self.part.is_empty() { self.message.clone() } else { format!("{}: {}", self.part, self.message) }
     }

@@ -16,7 +16,7 @@ use super::{About, Case, OutcomeKind, Report, RuleReport, Subject, Testee, Unrea
 /// The maximum number of failed cases, corrupt parts or files in a list. GitHub limits comments to 65,536 characters.
 const MAX_ITEMS: usize = 12;
 
-/// The maximum number of rules with a section. A table lists the others.
+/// The maximum number of rules that have a section. A table lists the others.
 const MAX_RULES: usize = 12;
 
 /// The maximum number of groups of findings in the section of a rule.
@@ -29,7 +29,7 @@ const MAX_SUBJECTS: usize = 12;
 #[derive(Debug, Default)]
 pub(super) struct Markdown {
     groups: Groups,
-    /// The first subjects, each without its findings except for the first one.
+    /// The first subjects. Each contains only its first finding.
     subjects: Vec<Subject>,
 }
 
@@ -95,7 +95,7 @@ fn files(page: &mut Page, title: &str, files: &[Unreadable]) {
     }
 }
 
-/// The symbol that precedes an outcome's text.
+/// The symbol that precedes the text of an outcome.
 fn mark(outcome: OutcomeKind) -> &'static str {
     match outcome {
         OutcomeKind::Conforms | OutcomeKind::Partial => "✅",
@@ -136,13 +136,13 @@ fn findings(page: &mut Page, rules: &[Listed<'_>], is_single: bool) {
     }
 }
 
-/// The id, with a link to the rule's page if it is published.
+/// The id of a rule, linked to the rule's page if the page is published.
 fn rule_link(rule: &RuleReport) -> String {
     let id = code(rule.id);
     if rule.url.is_empty() { id } else { link(&id, &rule.url) }
 }
 
-/// The level, and the status if it isn't normative.
+/// The level of a rule, with the status if it isn't normative.
 fn level(rule: &RuleReport) -> String {
     if rule.status == "normative" {
         rule.level.to_string()
@@ -176,7 +176,7 @@ fn write_group(page: &mut Page, rule: &RuleReport, group: &Group, is_single: boo
     quote(page, if first.request.is_empty() { "Excerpt" } else { "Answer" }, &first.excerpt);
 }
 
-/// Writes JSON or bytes in a code block, in which they require no escapes.
+/// Writes JSON or bytes in a code block, where no escapes are needed.
 fn quote(page: &mut Page, label: &str, text: &str) {
     if !text.is_empty() {
         page.block(&format!("{label}:"));

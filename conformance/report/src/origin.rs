@@ -2,7 +2,7 @@
 
 use uavspec_capture::input::Input;
 
-/// The facts about the origin of a capture that a report doesn't contain.
+/// Facts about the origin of a capture that aren't in a report.
 #[derive(Clone, Debug, Default)]
 pub struct Origin {
     /// The size in bytes, before decompression.

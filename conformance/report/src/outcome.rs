@@ -7,7 +7,7 @@ use uavspec_model::text::plural;
 use super::totals::Totals;
 use super::{Action, Counts, Unreadable};
 
-/// The beginning of a sentence if no rule of level MUST or SHOULD is violated.
+/// The start of the sentence if no MUST or SHOULD rule is violated.
 pub(super) const NO_VIOLATIONS: &str = "no violations found";
 
 /// The outcome of a run or a subject.
@@ -91,7 +91,7 @@ impl Outcome {
         Self { kind, status: kind.status(), text: text.into(), remarks: Vec::new() }
     }
 
-    /// True if the run succeeds with this outcome.
+    /// True if a run with this outcome succeeds.
     pub fn is_success(&self) -> bool {
         self.status == 0
     }
@@ -154,7 +154,7 @@ impl Outcome {
         if let Some(only) = totals.only() {
             return only.outcome.clone();
         }
-        // A testee with nothing to check doesn't affect the others.
+        // A testee that has nothing to check doesn't affect the outcome of others.
         let Some(worst) = totals.worst() else {
             return Self::new(OutcomeKind::Nothing, "Nothing was checked");
         };

@@ -15,9 +15,9 @@ use super::{About, Action, Report, RuleReport, Subject};
 #[derive(Debug, Default)]
 pub(super) struct Sarif {
     results: Results,
-    /// The ids other than rules that have results.
+    /// The ids with results that aren't rules.
     others: BTreeSet<&'static str>,
-    /// The operations of the failed cases, in the order of appearance.
+    /// The operations of failed cases, in the order of appearance.
     operations: Vec<String>,
 }
 

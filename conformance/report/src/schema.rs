@@ -1,4 +1,4 @@
-//! Test of the schema of reports. Other tests check that reports match it.
+//! A test of the JSON Schema of reports. Other tests check that reports match the schema.
 
 use uavspec_test_support::schema::Published;
 

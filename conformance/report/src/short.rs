@@ -88,7 +88,7 @@ fn finding(subject: &Subject, finding: &Finding, text: &mut String) -> fmt::Resu
     )
 }
 
-/// The location in the form that editors read: a line is only its number.
+/// The location in the form that editors read. A line is just its number.
 fn place(location: Location) -> String {
     match location {
         Location::Line(line) => line.to_string(),

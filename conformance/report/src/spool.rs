@@ -11,7 +11,7 @@ const MAX_IN_MEMORY: usize = 2 << 20;
 /// The size of the buffers for files, in bytes.
 const BUFFER: usize = 1 << 17;
 
-/// Parts that are written first and read once later. The temporary file has no name, so it never outlives the program.
+/// Parts that are written first, and read once later. The temporary file has no name, so it never outlives the program.
 pub(super) struct Spool(BufWriter<SpooledTempFile>);
 
 impl Spool {

@@ -1,4 +1,4 @@
-//! Creates reports while subjects are being checked, so that subjects can be dropped before the run ends.
+//! Creates reports while subjects are being checked, so that each subject can be dropped before the run ends.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -13,15 +13,15 @@ use super::{Action, Kind, Report, Subject};
 /// The reports of a run, and the totals of its subjects.
 pub struct Stream {
     totals: Totals,
-    /// The reports. Each can be written only once.
+    /// The reports. `None` if a report has been written, because this is possible only once.
     formats: Vec<Option<Started>>,
 }
 
-/// A format with its parts, or with the error of writing one of them.
+/// A format, and the spool of its parts. If a part couldn't be written, the error replaces the spool.
 type Started = (Box<dyn Format>, io::Result<Spool>);
 
 impl Stream {
-    /// Starts reports in these formats. Parts that don't fit into memory are temporarily stored in the given folders.
+    /// Starts reports in these formats. Parts that don't fit in memory are stored temporarily in the given folders.
     pub fn new<'f>(
         action: Action,
         command: &str,
@@ -44,7 +44,7 @@ impl Stream {
         }
     }
 
-    /// The totals of all subjects. No subject can be added afterwards.
+    /// Returns the totals of all subjects. No further subjects can be added.
     pub fn finish(&mut self) -> Totals {
         std::mem::take(&mut self.totals)
     }

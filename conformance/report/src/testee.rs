@@ -209,13 +209,13 @@ impl Subject {
 }
 
 impl Testee {
-    /// The rows with cases that the testee supports.
+    /// The rows that have cases which the testee supports.
     pub(super) fn supported(&self) -> impl Iterator<Item = &Row> {
         self.table.iter().filter(|row| row.is_supported())
     }
 
-    /// Lines such as `140 types: px4/ActuatorTest, px4/Airspeed and 138 more`. The first line contains the types without any
-    /// supported operation. The lines for operations don't repeat these types.
+    /// Lines such as `140 types: px4/ActuatorTest, px4/Airspeed and 138 more`. The first line lists the types without
+    /// any supported operation. The lines for individual operations don't repeat them.
     pub(super) fn unsupported_lines(&self) -> Vec<String> {
         let supported: BTreeSet<&str> = self.supported().map(|row| &*row.type_name).collect();
         let mut by_op: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
@@ -238,7 +238,7 @@ impl Row {
     }
 }
 
-/// The types with at least one checked case, and the checked cases.
+/// The coverage of a testee: the types with at least one checked case, and the checked cases.
 fn coverage(table: &[Row], counts: Counts) -> Coverage {
     let mut types: BTreeMap<&str, bool> = BTreeMap::new();
     for row in table {
@@ -302,7 +302,7 @@ fn case_report(
     found
 }
 
-/// The verdict of each rule that is violated by the input of at least one case. A rule passes if the testee rejects all
+/// The verdict of each rule that the input of at least one case violates. A rule passes if the testee rejects all
 /// inputs that violate it.
 fn rules(cases: &[Case]) -> Vec<RuleVerdict> {
     let mut rules: BTreeMap<&str, RuleVerdict> = BTreeMap::new();
@@ -330,7 +330,7 @@ fn rules(cases: &[Case]) -> Vec<RuleVerdict> {
     rules.into_values().collect()
 }
 
-/// Serializes the cases that did not pass. The thousands of other cases are only counted.
+/// Serializes the cases that didn't pass. The other cases, of which there are thousands, are only counted.
 pub(super) fn not_passed<S: Serializer>(cases: &[Case], serializer: S) -> Result<S::Ok, S::Error> {
     let others: Vec<&Case> = cases.iter().filter(|case| case.verdict != CaseVerdict::Pass).collect();
     others.serialize(serializer)

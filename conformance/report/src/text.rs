@@ -38,8 +38,8 @@ impl Format for Text {
     }
 }
 
-/// Renders the end of a report: the files without a section, the failures of the run, and the outcome of the run,
-/// unless it is the outcome of the only subject.
+/// Renders the end of a report: the files without a section, the failures of the run, and the outcome of the run. The
+/// outcome is left out if it is that of the only subject.
 pub fn end(report: &Report) -> String {
     let mut text = String::new();
     let reasons: Vec<String> = report.reasons.iter().map(Reason::to_string).collect();
@@ -96,7 +96,7 @@ fn capture(subject: &Subject, summary: &dyn Describe, text: &mut String) -> fmt:
     if shown_findings.is_empty() { Ok(()) } else { writeln!(text, "\n{}", last_line(&subject.outcome)) }
 }
 
-/// Writes the rules with each verdict. Rules with findings are named, with the number of findings.
+/// Writes the rules by verdict. Lists the rules that have findings, with the number of findings.
 fn rules(subject: &Subject, text: &mut String) -> fmt::Result {
     if subject.rules.is_empty() {
         return Ok(());
@@ -118,7 +118,7 @@ fn rules(subject: &Subject, text: &mut String) -> fmt::Result {
     label(PASS, "pass", &format!("{}, {uncovered} not covered", plural(passed, "rule")), text)
 }
 
-/// Writes how many request types a probe has sent, and the reasons for the others.
+/// Writes the number of request types that a probe has sent, and the reasons for not sending the others.
 fn requests(requests: &[RequestType], text: &mut String) -> fmt::Result {
     let mut reasons: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
     for request in requests {
@@ -190,7 +190,7 @@ fn corruption(subject: &Subject, text: &mut String) -> fmt::Result {
     if subject.corruption.is_empty() { Ok(()) } else { writeln!(text) }
 }
 
-/// The last line of a section: the outcome in its colour.
+/// The last line of a section: the outcome, in its colour.
 fn last_line(outcome: &Outcome) -> String {
     let style = style(outcome.kind);
     format!("{style}{}{style:#}", wrapped(&shown(&outcome.last_line()), 0, 2))

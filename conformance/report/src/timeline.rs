@@ -17,7 +17,7 @@ pub use self::html::to_html;
 pub use self::overview::WhyNotArm;
 pub use self::text::to_text;
 
-/// The texts for the statuses of topics, in the order of reports.
+/// The texts for the statuses of topics, in the order in which reports list them.
 const STATUSES: [(TopicStatus, &str); 4] = [
     (TopicStatus::Explained, "in the timeline"),
     (TopicStatus::Differs, "in the timeline, but the format differs from the definition"),
@@ -38,14 +38,14 @@ struct Entry<'s> {
     value: &'s Value,
 }
 
-/// All listed changes in chronological order. The first values of all lanes come first.
+/// All listed changes in chronological order, starting with the first values of all lanes.
 fn entries(timeline: &Timeline) -> Vec<Entry<'_>> {
     let mut entries: Vec<Entry<'_>> = Vec::new();
     for lane in &timeline.lanes {
         let listed = lane.listed().filter_map(|change| Some((change, lane.values.get(change.value)?)));
         entries.extend(listed.map(|(change, value)| Entry { lane, change, value }));
     }
-    // The sort is stable, so changes at the same time have the order of the lanes.
+    // The sort is stable, so changes at the same time are in the order of their lanes.
     entries.sort_by_key(|entry| {
         let is_first = is_at_start(entry);
         (!is_first, if is_first { 0 } else { entry.change.time_us })
@@ -53,7 +53,8 @@ fn entries(timeline: &Timeline) -> Vec<Entry<'_>> {
     entries
 }
 
-/// True if a lane may have had its first value earlier. A report has a known time.
+/// True if the first value of a lane may be older than the capture. The first value in a report isn't, because the time
+/// of the report is known.
 fn is_at_start(entry: &Entry<'_>) -> bool {
     entry.change.is_first && entry.lane.kind != LaneKind::Check
 }
@@ -73,7 +74,7 @@ fn is_flag(lane: &Lane) -> bool {
     lane.kind == LaneKind::Flag
 }
 
-/// The time of a change: relative to the start, or in UTC for a session.
+/// The time of a change, relative to the start. For a session, the time in UTC.
 fn time(timeline: &Timeline, time_us: i64) -> String {
     let utc = timeline.utc(time_us).filter(|_| timeline.is_session);
     // `2026-11-23T10:20:30.123Z`
@@ -92,7 +93,7 @@ fn duration(micros: u64) -> String {
     clock(i64::try_from(micros).unwrap_or(i64::MAX))
 }
 
-/// The plural noun for lanes with flags.
+/// The plural noun for the lanes that contain flags.
 const fn flag_noun(timeline: &Timeline) -> &'static str {
     if timeline.is_session { "error codes" } else { "flags" }
 }
@@ -116,13 +117,13 @@ fn sources(timeline: &Timeline) -> String {
     }
 }
 
-/// The number of listed changes, and the number of changes that aren't listed.
+/// The number of changes that are listed, and the number of changes that aren't.
 fn totals(timeline: &Timeline) -> (u64, u64) {
     let more: u64 = timeline.lanes.iter().map(|lane| lane.more_changes).sum();
     (timeline.lanes.iter().map(|lane| lane.listed().count() as u64).sum(), more)
 }
 
-/// Remarks on missing parts of the capture and the timeline.
+/// Remarks about parts that are missing in the capture or the timeline.
 fn remarks(timeline: &Timeline) -> Vec<String> {
     let mut remarks: Vec<String> =
         timeline.corruption.iter().map(|text| format!("not readable: {}", shown(text))).collect();

@@ -1,4 +1,4 @@
-//! The results across all subjects of a run. They stay in memory, whereas the subjects may be written and dropped.
+//! The results across all subjects of a run. They stay in memory, whereas subjects may be written and then dropped.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -18,11 +18,11 @@ pub struct Totals {
     pub(super) subjects: usize,
     /// The first subject. Some reports describe a single subject in more detail.
     pub(super) first: Option<First>,
-    /// The number of subjects with each outcome, and their highest exit status.
+    /// The number of subjects with each outcome, and the highest exit status among them.
     kinds: BTreeMap<OutcomeKind, (usize, u8)>,
     /// The results of the rules by id.
     pub(super) rules: BTreeMap<&'static str, RuleReport>,
-    /// The ids of the violated rules. True if the level is SHOULD.
+    /// The ids of the violated rules. The flag is true if the level is SHOULD.
     violated: BTreeSet<(&'static str, bool)>,
     /// The first remarks about subjects that weren't read or checked completely.
     remarks: Vec<String>,
@@ -40,7 +40,7 @@ pub struct Totals {
 pub(super) struct First {
     pub(super) path: String,
     pub(super) outcome: Outcome,
-    /// The coverage, as lines for people. Empty if there are other subjects.
+    /// The coverage of the only subject, as lines for people. Empty if there are several subjects.
     pub(super) coverage: Vec<Line>,
 }
 
@@ -108,7 +108,7 @@ impl Totals {
         self.subjects == 1
     }
 
-    /// The only subject; `None` if there are several.
+    /// The first subject, if it is the only one.
     pub(super) fn only(&self) -> Option<&First> {
         self.first.as_ref().filter(|_| self.is_single())
     }
@@ -118,12 +118,12 @@ impl Totals {
         self.cases.is_some()
     }
 
-    /// The number of subjects with this outcome, and their highest exit status.
+    /// The number of subjects with this outcome, and the highest exit status among them.
     pub(super) fn with(&self, kind: OutcomeKind) -> (usize, u8) {
         self.kinds.get(&kind).copied().unwrap_or_default()
     }
 
-    /// The worst outcome. Subjects with nothing to check don't count.
+    /// The worst outcome. Subjects that have nothing to check are ignored.
     pub(super) fn worst(&self) -> Option<OutcomeKind> {
         self.kinds.keys().rev().copied().find(|kind| *kind != OutcomeKind::Nothing)
     }
@@ -140,7 +140,7 @@ impl Totals {
         self.remarks.iter().cloned().chain(more).collect()
     }
 
-    /// True if a subject has something that a rule applies to.
+    /// True if a rule applies to anything in a subject.
     pub fn covers(&self, id: &str) -> bool {
         self.rules.get(id).is_some_and(|rule| rule.covered > 0)
     }
@@ -151,8 +151,8 @@ pub(super) fn is_violated(rule: &RuleVerdict) -> bool {
     matches!(rule.verdict, Verdict::Warn | Verdict::Fail)
 }
 
-/// The number of violated rules that count as MUST, and the number of violated rules of level SHOULD. `violations` are
-/// true for the latter.
+/// The number of violated rules that count as MUST, and the number of violated rules of level SHOULD. An item of
+/// `violations` is true if the level is SHOULD.
 pub(super) fn kinds_of_violations(violations: impl Iterator<Item = bool>) -> (usize, usize) {
     let (should, must): (Vec<bool>, Vec<bool>) = violations.partition(|is_should| *is_should);
     (must.len(), should.len())

@@ -1,7 +1,7 @@
 //! Tests of HTML reports in a browser: they fit desktop and phone screens, follow the colour scheme, and neither load
 //! resources nor run scripts.
 //!
-//! `UAVSPEC_PICTURES` names a folder in which to keep the screenshots.
+//! `UAVSPEC_PICTURES` names the folder in which to keep the screenshots.
 
 use std::fs;
 use std::path::Path;
@@ -26,7 +26,8 @@ fn browser() -> String {
         .expect("Chromium, or its path in UAVSPEC_CHROMIUM")
 }
 
-/// The measurements of a report in a browser, for each screen. Screenshots are stored in `folder`.
+/// Renders a report in a browser, and returns the measurements for each screen size. Screenshots are stored in
+/// `folder`.
 fn measure(name: &str, report: &Report, folder: &Path) -> Vec<Value> {
     let page = folder.join(format!("{name}.html"));
     fs::write(&page, report.to_text(Kind::Html)).expect("a file");

@@ -1,4 +1,4 @@
-//! Allocations grow linearly with each dimension of each kind of input.
+//! Tests that allocations grow linearly with each dimension of each kind of input.
 
 use std::sync::LazyLock;
 use std::time::Duration;
@@ -24,7 +24,8 @@ static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in)
 
 static LIBRARY: LazyLock<Library> = LazyLock::new(Library::built_in);
 
-/// A kind of input that grows in one dimension: its name, the number of parts, and the bytes with any number of parts.
+/// A kind of input that grows in one dimension: its name, the number of parts, and a function that returns the bytes
+/// for any number of parts.
 type Dimension = (&'static str, usize, fn(usize) -> Vec<u8>);
 
 const CAPTURES: &[Dimension] = &[
@@ -207,14 +208,14 @@ const CAPTURES: &[Dimension] = &[
     }),
 ];
 
-/// A log with a number of parts.
+/// A log that consists of `count` parts.
 fn log(count: usize, mut add: impl FnMut(&mut Writer, u16)) -> Vec<u8> {
     let mut log = Writer::with_flags();
     (0..count).for_each(|id| add(&mut log, u16::try_from(id).expect("an id")));
     log.bytes
 }
 
-/// Records with a number of parts.
+/// Bytes that consist of `first` and `count` parts.
 fn each(count: usize, first: Vec<u8>, mut part: impl FnMut(u16) -> Vec<u8>) -> Vec<u8> {
     (1..=count).fold(first, |mut all, id| {
         all.extend(part(u16::try_from(id).expect("an id")));
@@ -228,7 +229,7 @@ fn session(count: usize, mut add: impl FnMut(&mut Session, usize)) -> Vec<u8> {
     session.to_bytes()
 }
 
-/// Copies of a text, with a number of five digits in place of `~`.
+/// `count` copies of a text, in which a five-digit number replaces `~`.
 fn numbered(count: usize, text: &str) -> String {
     (0..count).map(|number| text.replace('~', &format!("{number:05}"))).collect()
 }
@@ -240,7 +241,7 @@ fn lines(count: usize, line: &str) -> Vec<u8> {
 /// Reads an input.
 type Work = fn(&[u8]);
 
-/// The ways in which the program uses a capture.
+/// The functions of the program that use a capture.
 const WORK: &[(&str, Work)] = &[
     ("check", |bytes| _ = checked(bytes)),
     ("choose a release", |bytes| _ = check_bytes(bytes, &LIBRARY)),
@@ -271,7 +272,7 @@ fn checked(bytes: &[u8]) -> CaptureResult {
     check_capture(bytes, None, &DEFINITIONS).expect("bytes can be read")
 }
 
-/// Other inputs, each with its reader.
+/// Other inputs, each with the function that reads it.
 const INPUTS: &[(Dimension, Work)] = &[
     (("files of a bag", 200, |count| metadata(count, 1)), read_metadata),
     (("topics of a bag", 200, |count| metadata(1, count)), read_metadata),
@@ -325,7 +326,7 @@ fn entries(bytes: &[u8]) -> usize {
     String::from_utf8_lossy(bytes).matches("[[known]]").count()
 }
 
-/// Compares a baseline with failures, removes what is stale, and compares again.
+/// Compares a baseline with failures, removes outdated entries, and compares it again.
 fn compare_baseline<'n>(bytes: &[u8], scope: Scope<'_>, names: impl Iterator<Item = Name<'n>>) {
     let lists = Lists::parse([("known.toml".to_owned(), bytes.to_vec())], &rule_ids()).expect("a list");
     let failed = |name| (name, Outcome::Failed(vec!["calm".to_owned()]));
@@ -351,7 +352,7 @@ fn load_schemas(files: impl Iterator<Item = (String, String)>) {
 fn allocations_grow_linearly_with_each_dimension() {
     let mut failures = Vec::new();
     let mut compare = |name: &str, work: &str, count: usize, input: fn(usize) -> Vec<u8>, run: Work| {
-        // The first run also fills what is created lazily.
+        // The first run also initializes everything that is created lazily.
         run(&input(2));
         let [once, twice] = [count, 2 * count].map(|count| {
             let bytes = input(count);
@@ -368,7 +369,7 @@ fn allocations_grow_linearly_with_each_dimension() {
     };
     let captures = CAPTURES.iter().flat_map(|dimension| WORK.iter().map(move |work| (dimension, *work)));
     let inputs = INPUTS.iter().map(|(dimension, run)| (dimension, ("read", *run)));
-    // Even the larger step of quick mode covers each kind of work.
+    // Even the larger step of quick mode includes each kind of work.
     for ((name, count, input), (work, run)) in captures.chain(inputs).step_by(extent(1, 41)) {
         compare(name, work, *count, *input, run);
     }

@@ -19,12 +19,12 @@ use crate::mutants::tested_mutants;
 /// A string with characters that have a special meaning in a report format, or that are misleading when displayed.
 pub(crate) const HOSTILE: &str = "</style><script>alert(1)</script>|`*[x](javascript:y)]]>&amp;\"'\r\n::error::\u{1b}[31m\u{7}\u{202e}\u{ffff}é🛩";
 
-/// The mutants in the captures.
+/// The mutants that the captures contain.
 pub(crate) fn captured_mutants() -> impl Iterator<Item = Mutant> {
     tested_mutants(&["PX-ARR-01", "PX-BOOL-01"])
 }
 
-/// Captures with their names: violations of the tested rules, and JSON with hostile names.
+/// Captures with their names. They contain violations of the tested rules, and JSON with hostile names.
 pub(crate) fn captures(definitions: &Definitions) -> Vec<(String, Vec<u8>)> {
     let flight = Flight::new(definitions);
     let mut sources = Vec::new();

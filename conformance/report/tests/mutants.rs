@@ -12,14 +12,14 @@ use uavspec_rules::sample::{Encoding, Flight};
 use uavspec_rules::{Mutant, RULES, mutants, rule};
 use uavspec_test_support::{extent, shared};
 
-/// The rows of all mutants for the built-in definitions; in quick mode, of the tested mutants.
+/// The rows of all mutants for the built-in definitions. In quick mode, only the tested mutants.
 pub(crate) static ROWS: LazyLock<Vec<Row>> =
     LazyLock::new(|| rows(&Definitions::built_in(), tested_mutants(&[])));
 
-/// In quick mode, the mutants of one in this many rules are tested.
+/// In quick mode, the mutants of one out of this many rules are tested.
 const STEP: usize = 37;
 
-/// All mutants; in quick mode, the mutants of a few rules of both families and of the given rules.
+/// All mutants. In quick mode, only the mutants of a few rules of both families, and of the rules in `also`.
 pub(crate) fn tested_mutants(also: &[&'static str]) -> impl Iterator<Item = Mutant> {
     let some = RULES.iter().step_by(extent(1, STEP)).map(|rule| rule.id);
     let ids: BTreeSet<&str> = some.chain(also.iter().copied()).collect();
@@ -58,7 +58,7 @@ fn built_in_definitions_have_mutants_of_every_rule() {
     let definitions = Definitions::built_in();
     let all: BTreeSet<&str> = RULES.iter().map(|rule| rule.id).collect();
     let mut covered = check_conforming(&definitions);
-    // Only a topic with a version suffix can have the wrong version.
+    // The version can be wrong only for a topic that has a version suffix.
     covered.insert("PX-VER-01");
     // The definitions have no VehicleStatus.
     covered.insert("PX-EVT-08");
@@ -69,7 +69,7 @@ fn built_in_definitions_have_mutants_of_every_rule() {
     assert!(ROWS.iter().all(|row| row.violated.is_some()));
 }
 
-/// Includes findings in sessions.
+/// Also checks findings in sessions.
 #[test]
 fn findings_have_a_definition_and_the_expected_value() {
     let definitions = Definitions::built_in();

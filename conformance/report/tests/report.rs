@@ -35,7 +35,7 @@ fn the_report_has_the_outcome() {
     assert_eq!(checked.outcome.text, "Failed: 1 file can't be opened");
     assert!(checked.outcome.remarks[0].starts_with("Does not conform: "), "{:?}", checked.outcome);
     assert_eq!((tested.outcome.kind, tested.outcome.status), (OutcomeKind::Failed, 3));
-    // Every rule has the worst verdict of its mutants.
+    // Every rule has the worst verdict among its mutants.
     assert_eq!(checked.rules.len(), RULES.len());
     let violated: BTreeSet<&str> = captured_mutants().map(|mutant| mutant.rule.id).collect();
     for rule in &checked.rules {
@@ -100,7 +100,7 @@ fn json_follows_the_published_schema_and_preserves_texts() {
     assert!(tested["subjects"][0]["counts"]["pass"].as_u64() > Some(10));
 }
 
-/// The text and the tags of a page. Fails on tags that aren't opened or closed properly.
+/// The text of a page, and its tags. Fails if a tag isn't opened or closed properly.
 fn read_html(page: &str) -> (String, BTreeSet<String>) {
     let (mut text, mut tags, mut open) = (String::new(), BTreeSet::new(), Vec::new());
     let (mut anchors, mut targets) = (BTreeSet::new(), BTreeSet::new());
@@ -188,7 +188,7 @@ fn markdown_escapes_the_input() {
                 _ => {}
             }
         }
-        // A table lists the rules beyond a maximum number, so a quick run has none.
+        // The table lists only rules beyond the maximum number, so it is missing in a quick run.
         assert!(headings > 5 && extent(!columns.is_empty(), true), "{headings} {columns:?}");
         assert!(!text.contains(['\u{202e}', '\u{1b}']));
         assert!(text.len() < 65_536, "too long for a comment on GitHub: {}", text.len());
@@ -319,7 +319,7 @@ fn code_quality_has_the_findings_of_sarif() {
     }
 }
 
-/// The location in the record, the value found, and the command to reproduce the finding are in every format.
+/// Every format contains the location in the record, the value found, and the command that reproduces the finding.
 #[test]
 fn each_format_reports_the_path_and_the_value_found() {
     let definitions = Definitions::built_in();

@@ -13,7 +13,7 @@ use crate::mutants::ROWS;
 /// The folder of the documentation.
 const DOCS: &str = "../../generated/docs";
 
-/// The command that updates the pages.
+/// The command that updates the published pages.
 const UPDATE: &str =
     "`UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-report rule_list`, then `cargo xtask codegen`";
 
@@ -30,10 +30,10 @@ fn generated_pages(folder: &Path) -> Vec<String> {
         .collect()
 }
 
-/// True if a published page has the lines of a page that was created from some rows of the matrix.
+/// True if a published page contains the lines of `text`, a page that was created from only some rows of the matrix.
 fn has_lines(published: &str, text: &str) -> bool {
     let mut published = published.lines();
-    // With few rows, the matrix may lack a column.
+    // If there are few rows, the matrix may lack a column.
     let text = text.split("\n## Mutants\n").next().unwrap_or_default();
     text.lines().all(|line| published.any(|other| other == line))
 }

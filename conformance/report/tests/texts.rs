@@ -1,5 +1,5 @@
-//! Expected texts: the messages that each bug of the reference server changes, the findings of each mutant, and the
-//! messages of a probe.
+//! Expected texts: the changes that each bug of the reference server makes to messages, the findings of each mutant,
+//! and the messages of a probe.
 
 use std::fmt::Write as _;
 
@@ -21,7 +21,7 @@ const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/texts");
 
 const UPDATE: &str = "`UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-report texts`";
 
-/// The messages of a server, each with the body of its request.
+/// The messages of a server, each with the body of the request that it answers, if any.
 fn messages() -> Vec<(Value, Option<Value>)> {
     let session = Session::new();
     let is_sent = |line: &&Value, direction: &str| line["dir"] == direction && line["msg"]["id"].is_string();
@@ -35,7 +35,7 @@ fn messages() -> Vec<(Value, Option<Value>)> {
             (line["msg"].clone(), answered(&line["msg"]["refs"]).map(|line| line["msg"]["body"].clone()))
         })
         .collect();
-    // A refusal in the words of the reference server.
+    // A refusal, with the wording of the reference server.
     let refusal = json!({ "type": "ACK-NAK", "reason": "no handler for UAV-SOAR" });
     let refusal = json!({ "$fw.version": "1.0", "id": "say-no", "refs": "ask-no", "body": refusal });
     messages.push((refusal, Some(json!({ "type": "UAV-SOAR" }))));
@@ -79,8 +79,8 @@ fn effect(before: &Value, texts: &[String]) -> String {
     }
 }
 
-/// The effects of the first bug and of each following `step`-th bug on the messages of a conforming session: the number of
-/// changed messages by type, with the first change.
+/// The effects of bugs on the messages of a conforming session, for the first bug and every `step`-th bug after it.
+/// Each effect is the number of changed messages by type, with the first change.
 fn bugs(step: usize) -> Vec<String> {
     let messages = messages();
     let mut tables = Vec::new();
@@ -169,7 +169,7 @@ fn trials() -> String {
     table
 }
 
-/// True if the whole text of a file in this folder is needed.
+/// True if the whole text of the expected files is compared.
 fn is_whole() -> bool {
     is_updated() || extent(true, false)
 }
@@ -178,13 +178,13 @@ fn is_updated() -> bool {
     std::env::var_os("UAVSPEC_UPDATE_FIXTURES").is_some()
 }
 
-/// Asserts that some tables are in a file in this folder.
+/// Asserts that a file in this folder contains these tables.
 fn assert_contained(name: &str, tables: &[String]) {
     let known = std::fs::read_to_string(format!("{FOLDER}/{name}")).expect("the file exists");
     assert!(!tables.is_empty());
     for table in tables {
         let mut found = known.match_indices(table.as_str());
-        // Each table starts at the start of a line, and the next one follows it.
+        // Each table begins at the start of a line. Another table follows it.
         let is_table = |at: usize| {
             let (before, after) = (&known[..at], &known[at + table.len()..]);
             (before.is_empty() || before.ends_with('\n')) && !after.starts_with(' ')

@@ -1,4 +1,4 @@
-//! Tests that text from outside stays text in every field of every format.
+//! Tests that untrusted text never changes the structure of a report, in any field of any format.
 
 mod poison;
 
@@ -18,7 +18,7 @@ use uavspec_report::{Kind, Report};
 use uavspec_schema::terminal::{Guard, guarded};
 use uavspec_test_support::extent;
 
-/// Fragments that mean something to a terminal, a CI system, a markup language or a site.
+/// Fragments that have a special meaning in a terminal, a CI system, a markup language or on a website.
 const FRAGMENTS: [&str; 63] = [
     "a",
     " ",
@@ -85,7 +85,7 @@ const FRAGMENTS: [&str; 63] = [
     "$x$",
 ];
 
-/// The formats, with colours in text.
+/// The formats. Text has colours.
 const KINDS: &[Kind] = &[
     Kind::Text,
     Kind::Short,
@@ -97,7 +97,7 @@ const KINDS: &[Kind] = &[
     Kind::Markdown,
 ];
 
-/// The structure of each report with harmless text.
+/// The structure of each report if all texts are harmless.
 fn expected() -> &'static [Vec<Vec<String>>] {
     static STRUCTURES: OnceLock<Vec<Vec<Vec<String>>>> = OnceLock::new();
     STRUCTURES.get_or_init(|| poison::reports("harmless").iter().map(structures).collect())
@@ -133,7 +133,7 @@ fn shape(value: &Value) -> String {
     }
 }
 
-/// The cases, each with its outcome.
+/// The test cases, each with its outcome.
 fn junit(text: &str) -> Vec<String> {
     let junit = Junit::deserialize_from_str(text).unwrap_or_else(|error| panic!("{error}\n{text}"));
     let cases = junit.test_suites.iter().flat_map(|suite| &suite.test_cases);
@@ -173,7 +173,7 @@ fn html(page: &str) -> Vec<String> {
     tags
 }
 
-/// The elements apart from code, as GitHub reads Markdown. Fails if GitHub would find a reference in text.
+/// The Markdown elements that GitHub recognizes, except code. Fails if GitHub would find a reference in text.
 fn markdown(page: &str) -> Vec<String> {
     let options = Options::ENABLE_TABLES
         | Options::ENABLE_STRIKETHROUGH
@@ -185,7 +185,7 @@ fn markdown(page: &str) -> Vec<String> {
     for event in Parser::new_ext(page, options) {
         match event {
             Event::Text(part) if !is_code => text.push_str(&part),
-            // A reference doesn't extend over code.
+            // A reference can't extend into code.
             Event::Text(_) | Event::Code(_) => text.push(' '),
             Event::InlineHtml(html) if matches!(&*html, "<code>" | "</code>") => is_code = &*html == "<code>",
             Event::Start(Tag::CodeBlock(_)) => is_code = true,
@@ -210,11 +210,11 @@ fn markdown(page: &str) -> Vec<String> {
     elements
 }
 
-/// Renders a report in a format, and fails if a terminal or a CI system would act on it.
+/// Renders a report in a format. Fails if the output would cause an action in a terminal or a CI system.
 fn rendered(report: &Report, kind: Kind) -> String {
     let text = report.to_text(kind);
     if kind == Kind::Text {
-        // The formats escape everything themselves: the guard changes nothing.
+        // The formats escape everything themselves, so the guard changes nothing.
         let mut printed = Vec::new();
         Guard::new(&mut printed).write_all(text.as_bytes()).expect("written");
         let printed = String::from_utf8(printed).expect("UTF-8");
@@ -241,7 +241,7 @@ fn each_fragment_stays_text() {
     FRAGMENTS.into_iter().step_by(extent(1, 17)).for_each(check);
 }
 
-/// Renders reports with the text in every field, in every format.
+/// Puts the text into every field, and renders the reports in every format.
 fn check(text: &str) {
     // A text without visible characters would be omitted.
     let text = &format!("{text}z");

@@ -39,13 +39,13 @@ pub use self::index::{Family, ReleaseId, Row, newest_ros2, read_schema};
 pub use self::library::{Library, ros_package};
 pub(crate) use self::released::{ReleasedType, released_type};
 
-/// The start of the line with the version of a message in a release.
+/// The prefix of the line that states the version of a message in a release.
 const VERSION: &str = "uint32 MESSAGE_VERSION=";
 
-/// The topic whose message has the constants of vehicle states, also for other topics.
+/// The topic whose message defines the constants of vehicle states, which apply to other topics as well.
 pub const VEHICLE_STATUS: &str = "vehicle_status";
 
-/// The topic whose message has the constants of battery states, also for other topics.
+/// The topic whose message defines the constants of battery states, which apply to other topics as well.
 pub const BATTERY_STATUS: &str = "battery_status";
 
 /// Definitions, with lookup tables for checks.
@@ -69,7 +69,7 @@ pub struct Definitions {
     releases: Vec<LoadedRelease>,
     /// The releases of packages, by package name.
     origins: HashMap<String, LoadedRelease>,
-    /// The types whose definition the capture doesn't show, by full ROS name.
+    /// The full ROS names of the types for which the capture doesn't show which definition applies.
     undecided: BTreeSet<String>,
     types: OnceLock<Types>,
     defined_schemas: OnceLock<DefinedSchemas>,
@@ -206,7 +206,7 @@ impl Definitions {
         Ok(latest.insert(Captured { bytes: bytes.into(), metadata, mistake }).clone())
     }
 
-    /// Lets the messages of some packages replace the messages with the same ROS names.
+    /// Replaces messages with the messages that have the same ROS names in these packages.
     fn with_replacements(mut self, packages: &[String]) -> Self {
         let mut originals: HashMap<String, MessageId> = HashMap::new();
         let mut replacements = Vec::new();
@@ -241,7 +241,7 @@ impl Definitions {
         self.replaced.get(&id).copied().unwrap_or(id)
     }
 
-    /// Loads JSON Schemas for Flockwave message types without a definition from these folders.
+    /// Loads JSON Schemas from these folders, for Flockwave message types that have no definition.
     ///
     /// # Errors
     /// Fails if a schema can't be read or used.
@@ -288,8 +288,8 @@ impl Definitions {
             .map(|id| self.current(*id))
     }
 
-    /// True if a capture may contain this type hash for a message. Captures contain the hash of the service for an
-    /// event of the service.
+    /// True if a capture may contain this type hash for a message. For the event message of a service, captures contain
+    /// the hash of the service.
     pub fn has_type_hash(&self, message: &Message, stated: &str) -> bool {
         let is_stated = |hash: &str| hash.eq_ignore_ascii_case(stated);
         is_stated(&message.type_hash)
@@ -315,7 +315,7 @@ impl Definitions {
         })
     }
 
-    /// True if the definition of a message was chosen by a size that other definitions have as well.
+    /// True if the definition of a message was chosen only by its size, and other definitions have the same size.
     pub fn is_undecided(&self, id: MessageId) -> bool {
         self.undecided.contains(&ros_name(&self.schema, self.schema.message(id)))
     }

@@ -341,8 +341,8 @@ impl<T: Default + Clone> PerChannel<T> {
         self.states[channel.index] = (self.resets, state);
     }
 
-    /// Sets the states of all channels to the default. The time doesn't depend on the number of channels, because a
-    /// capture may lose a message of each of many channels.
+    /// Sets the states of all channels to the default. This takes constant time, because a capture with many channels
+    /// may lose a message of each of them.
     fn reset(&mut self) {
         self.resets += 1;
     }

@@ -99,7 +99,7 @@ impl<'d> Flight<'d> {
         flight
     }
 
-    /// Lets the response about message formats contain the hash of the first topic.
+    /// Makes the response about message formats state the hash of the first topic.
     fn answer_format(&self, typical: &mut [Value]) {
         let response = self.topic("MessageFormatResponse").and_then(|topic| typical.get_mut(topic));
         if let (Some(topic), Some(response)) = (self.topics.first(), response) {

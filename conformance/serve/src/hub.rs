@@ -43,7 +43,7 @@ const OPERATION_LIMIT: usize = 1000;
 /// number, each connection may still have [`RESERVED_OPERATIONS`].
 const TOTAL_OPERATIONS: usize = 5000;
 
-/// The number of pending operations that a connection may have at any time.
+/// The number of pending operations that each connection may have even if [`TOTAL_OPERATIONS`] is reached.
 const RESERVED_OPERATIONS: usize = 4;
 
 /// The number of ids to store for the FW-ENV-19 bug.
@@ -360,14 +360,14 @@ impl Hub {
         self.notify_all(&obj_del::Notification { ids }.into());
     }
 
-    /// Adds the UAVs whose configured time of appearance has come.
+    /// Adds the UAVs that are due to appear.
     fn apply_appearances(&mut self) {
         for id in due(&mut self.options.appearances, self.first_contact, self.elapsed) {
             self.world.appear(&id);
         }
     }
 
-    /// Removes the UAVs whose configured time of loss has come.
+    /// Removes the UAVs that are due to get lost.
     fn apply_losses(&mut self) {
         let ids = due(&mut self.options.losses, self.first_contact, self.elapsed);
         self.lose(&ids);
@@ -587,7 +587,7 @@ impl Hub {
     }
 }
 
-/// Removes and returns the UAVs whose time has come.
+/// Removes and returns the UAVs that are due to appear or to get lost.
 fn due(list: &mut Vec<(String, Duration)>, first: Option<Duration>, elapsed: Duration) -> Vec<String> {
     let passed = first.map(|first| elapsed.saturating_sub(first));
     let due = list.extract_if(.., |(_, time)| passed.is_some_and(|passed| *time <= passed));

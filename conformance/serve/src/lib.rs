@@ -223,7 +223,8 @@ impl Server {
         self.thread.as_ref().is_some_and(JoinHandle::is_finished)
     }
 
-    /// Sends SYS-CLOSE to all clients, and ends the server. Returns the clients that it refused or disconnected before.
+    /// Sends SYS-CLOSE to all clients, and ends the server. Returns the numbers of clients that it had refused or
+    /// disconnected until then.
     pub fn end(mut self) -> Counts {
         self.join()
     }

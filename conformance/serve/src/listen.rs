@@ -31,7 +31,7 @@ pub(super) use self::reactor::{Reactor, TICK};
 use super::hub::{Hub, SessionId};
 use super::{Counts, Listening, Transport};
 
-/// The token of the events of all sockets, because events only wake the event loop.
+/// The token of all sockets. They need no separate tokens, because events only wake the event loop.
 const TOKEN: Token = Token(0);
 
 /// The number of bytes to read from a stream in one step.

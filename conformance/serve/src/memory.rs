@@ -1,5 +1,5 @@
-//! The server in memory: clients call it directly, and its time is the time of a clock. In simulated time, a client and
-//! the server take no real time, and always exchange the same messages.
+//! A server in memory that clients call directly, and that gets its time from a [`Clock`]. With a simulated clock, a
+//! session takes no real time, and the same requests always lead to the same messages.
 
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
@@ -35,7 +35,7 @@ struct State {
 }
 
 impl State {
-    /// Advances the server to the present. Returns the time since its start.
+    /// Advances the server to the current time. Returns the time since its start.
     fn advance(&mut self) -> Duration {
         let elapsed = self.clock.now().saturating_duration_since(self.start);
         while self.advanced + TICK <= elapsed {
@@ -52,7 +52,7 @@ impl State {
 }
 
 impl InMemory {
-    /// Starts a server at the present of the clock.
+    /// Starts a server whose time is initially the current time of `clock`.
     pub fn new(options: Options, clock: &Clock) -> Self {
         let start = u64::try_from(clock.since_1970().as_millis()).unwrap_or_default();
         let mut hub = Hub::new(Options { start, ..options }, family::answer);
@@ -89,7 +89,7 @@ impl Network for InMemory {
     }
 }
 
-/// Messages from the server that were not taken yet.
+/// Messages from the server that the client hasn't received yet.
 #[derive(Default)]
 pub(super) struct Queue {
     pub(super) texts: RefCell<VecDeque<String>>,

@@ -129,7 +129,7 @@ impl Operation {
         self.is_suspended
     }
 
-    /// Advances the time, and returns an event to report.
+    /// Advances the time. Returns an event to report, if there is one.
     pub(super) fn advance(&mut self, seconds: f64) -> Option<Report> {
         if self.is_cancelled {
             return Some(Report::Cancellation);

@@ -79,7 +79,7 @@ pub(super) fn read(body: &Value) -> Result<Request, String> {
     Request::deserialize(body).map_err(|error| error.to_string().chars().take(REASON_LIMIT).collect())
 }
 
-/// Returns a list, unless it is too long.
+/// Returns the list unchanged. Fails if it is too long.
 pub(super) fn limited<T>(list: Vec<T>) -> Result<Vec<T>, String> {
     if list.len() <= LIST_LIMIT {
         Ok(list)
@@ -88,7 +88,7 @@ pub(super) fn limited<T>(list: Vec<T>) -> Result<Vec<T>, String> {
     }
 }
 
-/// The distinct elements of a list, unless it is too long.
+/// Removes repeated elements from a list. Fails if the list is too long.
 pub(super) fn each_once<T: Into<String>>(list: Vec<T>) -> Result<Vec<String>, String> {
     let list = limited(list)?;
     let mut seen = HashSet::new();

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 /// The prefix of types that the client uses instead of the specified ones, as in `X-RTK-SOURCE`.
 const PREFIX: &str = "X-";
 
-/// The request with the specified type.
+/// Replaces the client's type of a request with the specified type.
 pub(super) fn specified(request: &Value) -> Value {
     let mut request = request.clone();
     if let Some(kind) = request["type"].as_str().and_then(|kind| kind.strip_prefix(PREFIX)) {
@@ -14,7 +14,7 @@ pub(super) fn specified(request: &Value) -> Value {
     request
 }
 
-/// The answer to a request, as the client expects it.
+/// Converts the specified answer to a request to the form that the client expects.
 pub(super) fn expected(request: &Value, mut answer: Value) -> Value {
     let asked = request["type"].as_str().unwrap_or_default();
     let kind = asked.strip_prefix(PREFIX).unwrap_or(asked);

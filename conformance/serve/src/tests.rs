@@ -221,7 +221,7 @@ fn stores_the_configuration_of_a_show() {
     assert_eq!(bodies[7]["settings"]["duration"], 60.0);
 }
 
-/// Skybrush Live reads other fields and types than the specification defines.
+/// Skybrush Live uses some fields and types that differ from the specification.
 #[test]
 fn answers_as_skybrush_live_expects() {
     let requests = [

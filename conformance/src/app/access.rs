@@ -28,12 +28,12 @@ pub(super) struct AccessArgs {
 }
 
 impl AccessArgs {
-    /// The files that the arguments name.
+    /// The files that these arguments name.
     pub(super) fn inputs(&self) -> impl Iterator<Item = &Path> {
         self.ca.as_deref().into_iter()
     }
 
-    /// The first given option.
+    /// The first of these options that is given.
     pub(super) fn given(&self) -> Option<&'static str> {
         first_given(&[
             ("--login", self.login.is_some()),
@@ -42,7 +42,7 @@ impl AccessArgs {
         ])
     }
 
-    /// The trusted certificates. Errors are printed.
+    /// The trusted certificates. Prints errors.
     pub(super) fn trust(&self) -> Result<Trust, Status> {
         if self.insecure {
             terminal::eprintln!("warning: any certificate is accepted (--insecure)");

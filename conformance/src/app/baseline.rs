@@ -10,7 +10,7 @@ use uavspec_schema::Failure;
 use super::Status;
 use super::outputs::Output;
 
-/// The baseline to write.
+/// Reads the baselines. Prints errors.
 pub(super) fn outputs(args: &BaselineArgs) -> impl Iterator<Item = Output<'_>> {
     args.output().into_iter().map(|path| Output::new("--write-baseline", path))
 }
@@ -20,8 +20,8 @@ pub(super) fn read(args: &BaselineArgs) -> Result<Baselines, Status> {
     args.read(&rule_ids()).map_err(|failure| Status::Usage.failed(&failure))
 }
 
-/// Writes the baseline of `--write-baseline`. Returns the status of the baselines: one may be out of date. Errors are
-/// printed.
+/// Writes the baseline of `--write-baseline`. Returns the status that results from the baselines, one of which may be
+/// outdated. Prints errors.
 pub(super) fn write(baselines: &Baselines, is_outdated: Result<bool, Failure>) -> Status {
     match is_outdated.map(|is_outdated| (is_outdated, baselines.write())) {
         Err(failure) => Status::Usage.failed(&failure),
@@ -31,7 +31,7 @@ pub(super) fn write(baselines: &Baselines, is_outdated: Result<bool, Failure>) -
     }
 }
 
-/// The outdated entries, as reasons why the run fails.
+/// The outdated entries of the baselines, as reasons why the run fails.
 pub(super) fn reasons(baselines: &Baselines) -> Vec<Reason> {
     let sources = baselines.lists.sources();
     let reasons = baselines.outdated.iter().map(|finding| Reason {
@@ -42,7 +42,7 @@ pub(super) fn reasons(baselines: &Baselines) -> Vec<Reason> {
     reasons.collect()
 }
 
-/// Counts the results of a capture.
+/// Counts the results of a capture, for the comparison with the baselines.
 pub(super) fn count_capture(lists: &Lists, sums: &mut Sums, capture: &CheckedCapture) {
     for (name, outcome) in rule_outcomes(&capture.path, &capture.result.findings) {
         lists.count(sums, &name, &outcome);
@@ -52,7 +52,7 @@ pub(super) fn count_capture(lists: &Lists, sums: &mut Sums, capture: &CheckedCap
     }
 }
 
-/// Counts a file that can't be read.
+/// Counts a file that can't be read, for the comparison with the baselines.
 pub(super) fn count_unread(lists: &Lists, sums: &mut Sums, path: &str) {
     for (name, outcome) in unread_outcome(path) {
         lists.count(sums, &name, &outcome);

@@ -164,7 +164,7 @@ pub(super) fn check(args: &CheckArgs) -> Exit {
     if let Some(problem) = args.report.problem().or(problem) {
         return Err(Status::Usage.because(problem));
     }
-    // This check precedes the creation of the folders of tables. Folders that exist aren't compared.
+    // The outputs are checked before the folders of tables are created. Folders that exist aren't compared.
     outputs::check(&Inputs::default(), &outputs_of(args))?;
     let mut outputs = args.report.start(Action::Check, args.timeline)?;
     let done = args.resume.as_deref().map(|folder| outputs.resume(folder, args.timeline)).transpose()?;
@@ -178,7 +178,7 @@ pub(super) fn check(args: &CheckArgs) -> Exit {
     let has_nothing_new = done.is_some_and(|done| found.skip(&done)) && found.unreadable.is_empty();
     let mut baselines = baseline::read(&args.baseline)?;
     if has_nothing_new {
-        // The baselines and the required rules are about captures that an earlier run has checked.
+        // The baselines and the required rules concern captures that an earlier run has checked.
         let status = baseline::write(&baselines, Ok(false));
         let report = report(&library, outputs.finish(), Vec::new(), Vec::new());
         let report = report.with_not_checked(found.skipped).with_nothing_new();
@@ -248,15 +248,15 @@ fn report(library: &Library, totals: Totals, unreadable: Vec<Unreadable>, reason
     Report::of_totals(Action::Check, super::command(), library.name(), totals, unreadable, reasons)
 }
 
-/// The results of captures that can't be read again, by name.
+/// The results of captures that can't be read a second time, by name.
 type Kept = BTreeMap<String, io::Result<CheckedFile>>;
 
 /// A checked capture.
 struct CheckedFile {
     capture: CheckedCapture,
-    /// The definitions against which it was checked.
+    /// The definitions against which the capture was checked.
     definitions: Arc<Definitions>,
-    /// The timeline, if the user wants it and the capture can be read.
+    /// The timeline, if the user requested it and the capture can be read.
     timeline: Option<Timeline>,
 }
 
@@ -276,7 +276,7 @@ fn check_all(
     );
 }
 
-/// Checks that no output replaces an input. Errors are printed.
+/// Checks that no output replaces an input. Prints errors.
 fn check_outputs(args: &CheckArgs, captures: &[Input]) -> Result<(), Status> {
     let captures = captures.iter().filter_map(Input::path);
     let inputs = Inputs {
@@ -292,7 +292,7 @@ fn outputs_of(args: &CheckArgs) -> Vec<Output<'_>> {
     args.report.outputs().chain(baseline::outputs(&args.baseline)).collect()
 }
 
-/// The type of all JSON messages, if it is given. Errors are printed.
+/// The type of all JSON messages, if the user specified it. Prints errors.
 fn message_id(args: &CheckArgs, library: &Library) -> Result<Option<MessageId>, Status> {
     let Some(name) = &args.message_type else { return Ok(None) };
     let definitions = library.base();
@@ -303,7 +303,7 @@ fn message_id(args: &CheckArgs, library: &Library) -> Result<Option<MessageId>, 
             package.messages.iter().map(named)
         });
         let known: Vec<String> = messages.collect();
-        let help = "name a message of the definitions, such as px4/FailsafeFlags";
+        let help = "specify a message from the definitions, such as px4/FailsafeFlags";
         let problem = format!("--type {name}: no such message in the definitions");
         unknown(&problem, name, known.iter().map(String::as_str), help)
     })

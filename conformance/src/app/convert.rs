@@ -39,18 +39,18 @@ must be converted separately.
 The output of a log contains the formats of the target release. Parameters, information and logged text stay the \
 same. Data that was appended after a crash directly follows the other data.
 
-JSON messages name their type or their topic, as for `uavspec check`. Their other members stay the same, and so do \
-values that aren't messages. A value that spans several lines is written on one line.
+JSON messages must specify their type or their topic, as for `uavspec check`. Their other members stay the same, and \
+so do values that aren't messages. A value that spans several lines is written on one line.
 
 If a part of the input can't be read, the output contains all readable messages, and the exit status is 6. The same \
 applies if the input grows or changes during the conversion. After any other error and after Ctrl-C, there is no \
 output, and an existing file stays unchanged.
 
 Limits: a converted message may take up to 256 MiB in memory. The schemas and channels of a bag may take up to 64 MiB, \
-with the names of attachments and metadata records. The names of schemas and topics in a bag may have up to 256 bytes. A \
-JSON value may have up to 16 MiB. A log, or a file with JSON messages, may have up to 10,000 topics and types. An \
-attachment of more than 16 MiB is stored in the folder for temporary files until it is complete. The index of an MCAP \
-file is in memory until the end: about 0.6 MiB for each GiB of a bag with 235 topics.
+including the names of attachments and metadata records. The names of schemas and topics in a bag may have up to 256 \
+bytes. A JSON value may have up to 16 MiB. A log, or a file with JSON messages, may have up to 10,000 topics and \
+types. An attachment of more than 16 MiB is stored in the folder for temporary files until it is complete. The index \
+of an MCAP file is in memory until the end: about 0.6 MiB for each GiB of a bag with 235 topics.
 
 Exit status:
   0  success
@@ -80,15 +80,15 @@ pub(super) struct ConvertArgs {
     /// Release of the input [default: the release that matches best, for each topic].
     #[arg(long, value_name = "RELEASE")]
     from: Option<String>,
-    /// File with hints, which decide what the definitions don't decide.
+    /// File with hints for differences that the definitions don't resolve.
     ///
-    /// They take precedence over the hints for PX4 that uavspec contains.
+    /// They take precedence over uavspec's built-in hints for PX4.
     #[arg(long, value_name = "FILE")]
     hints: Option<PathBuf>,
     /// Copy messages that can't be converted [default: leave them out].
     ///
-    /// Such a message doesn't exist in the target release, or a part of its conversion is undecided. Its copy has the
-    /// type of the input.
+    /// Such a message doesn't exist in the target release, or a part of its conversion is undecided. The copy
+    /// keeps the type of the input.
     #[arg(long)]
     keep_unconverted: bool,
     /// Output format of the report: text or json.
@@ -133,7 +133,7 @@ pub(super) fn run(args: &ConvertArgs) -> Exit {
     Ok(status(&report))
 }
 
-/// Writes the output. Errors are printed, and leave no output.
+/// Writes the output. If this fails, prints errors and removes the output.
 fn write(
     args: &ConvertArgs,
     opened: Opened<'_>,
@@ -174,12 +174,12 @@ fn status(report: &ConversionReport) -> Status {
     Status::Conforms
 }
 
-/// A flag that Ctrl-C sets. Errors are printed.
+/// Returns a flag that is set when the user presses Ctrl-C. Prints errors.
 fn interruption() -> Result<Arc<AtomicBool>, Status> {
     let interrupted = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&interrupted);
     let interrupt = move || {
-        // A pipe that sends nothing delays the end after the first signal.
+        // A pipe that sends nothing would delay the end after the first signal.
         if flag.swap(true, Ordering::Relaxed) {
             std::process::exit(INTERRUPTED);
         }
@@ -188,7 +188,7 @@ fn interruption() -> Result<Arc<AtomicBool>, Status> {
     Ok(interrupted)
 }
 
-/// An input that fails after Ctrl-C.
+/// An input whose reads fail after Ctrl-C.
 struct Interruptible {
     input: Box<dyn Read + Send>,
     interrupted: Arc<AtomicBool>,

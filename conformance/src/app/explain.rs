@@ -105,7 +105,7 @@ Exit status:
   2  invalid usage, unreadable definitions, or an unknown word
   3  the capture can't be opened or has an unknown type, or a report can't be
      written
-  5  the capture has no topics of the timeline that have a definition
+  5  the capture has no timeline topics with a definition
   6  incomplete: some data can't be read"
     )
 }
@@ -121,13 +121,13 @@ fn time(text: &str) -> Result<i64, &'static str> {
     Ok(i64::from(minutes) * 60_000_000 + (seconds * 1e6) as i64)
 }
 
-/// Parses the file for the page.
+/// Parses the path of the HTML page.
 fn page(text: &str) -> Result<PathBuf, &'static str> {
     let path = text.strip_prefix("html=").filter(|path| !path.is_empty());
     path.map(PathBuf::from).ok_or("expected html=FILE, such as html=timeline.html")
 }
 
-/// Runs `uavspec explain`. An existing path and `-` are captures.
+/// Runs `uavspec explain`. An existing path and `-` denote captures.
 pub(super) fn explain(args: &ExplainArgs) -> Exit {
     if args.what == Path::new(STANDARD_INPUT) || args.what.exists() {
         let Some(release) = &args.release else { return timeline(args) };
@@ -141,13 +141,13 @@ pub(super) fn explain(args: &ExplainArgs) -> Exit {
         || args.why_not_arm.is_some();
     if has_options || is_capture(&args.what) {
         let problem = format!("{}: no such file or folder", terminal::path(&args.what));
-        let help = "name a log, a bag, a file with messages or a recorded session";
+        let help = "specify a log, a bag, a file with messages or a recorded session";
         return Err(Status::Unreadable.with_help(problem, help));
     }
     word::explain_word(&args.what.to_string_lossy(), args.release.as_deref(), args.format)
 }
 
-/// Prints the timeline of a capture. Errors are printed.
+/// Prints the timeline of a capture. Prints errors.
 fn timeline(args: &ExplainArgs) -> Exit {
     let library = args.events.add_to(super::library(args.definitions.as_deref(), None, &[])?)?;
     let texts = texts(args.definitions.as_deref())?;
@@ -177,7 +177,7 @@ fn why_not_arm(args: &ExplainArgs, timeline: &Timeline, question: &WhyNotArm, la
     check_mode(question.mode.as_deref(), &overview.modes)?;
     if let Some(time) = question.time_us.filter(|time| time.unsigned_abs() > timeline.duration_us) {
         let problem = format!("the capture ends before {} s", time / 1_000_000);
-        return Err(Status::Usage.with_help(problem, "name an earlier time"));
+        return Err(Status::Usage.with_help(problem, "specify an earlier time"));
     }
     let text = match args.format {
         Format::Text => {
@@ -190,7 +190,7 @@ fn why_not_arm(args: &ExplainArgs, timeline: &Timeline, question: &WhyNotArm, la
     Ok(Status::Conforms)
 }
 
-/// Fails if no report contains the mode.
+/// Fails if no report contains this mode.
 pub(super) fn check_mode(mode: Option<&str>, known: &[Part]) -> Result<(), Status> {
     let Some(mode) = mode.filter(|mode| !known.iter().any(|known| known.is_named(mode))) else {
         return Ok(());
@@ -211,17 +211,17 @@ fn status(timeline: &Timeline) -> Status {
         let help = match (undefined.as_slice(), timeline.unreadable_messages) {
             ([], 0) => "the capture contains no topics of the timeline".to_owned(),
             ([], count) => format!(
-                "{} can't be read or violate a rule: `uavspec check` names the reasons",
+                "{} can't be read or violate a rule: `uavspec check` reports the reasons",
                 plural(count, "message")
             ),
-            _ => format!("name the definitions of {} with --definitions", undefined.join(", ")),
+            _ => format!("specify the definitions of {} with --definitions", undefined.join(", ")),
         };
         return Status::Nothing.with_help("nothing to explain", &help);
     }
     Status::Conforms
 }
 
-/// Prints the timeline, and writes the page. Errors are printed.
+/// Prints the timeline, and writes the page. Prints errors.
 fn write(args: &ExplainArgs, timeline: &Timeline, language: &str) -> Result<(), Status> {
     let text = match args.format {
         Format::Text => to_text(timeline, language),
@@ -238,7 +238,7 @@ fn write(args: &ExplainArgs, timeline: &Timeline, language: &str) -> Result<(), 
     if failures == 0 { Ok(()) } else { Err(Status::Unreadable) }
 }
 
-/// Checks that the page doesn't replace an input. Errors are printed.
+/// Checks that the page doesn't replace an input. Prints errors.
 fn check_outputs(args: &ExplainArgs) -> Result<(), Status> {
     let inputs = Inputs {
         files: vec![&args.what],
@@ -250,12 +250,12 @@ fn check_outputs(args: &ExplainArgs) -> Result<(), Status> {
     outputs::check(&inputs, &outputs)
 }
 
-/// The texts of the definitions at a path, or of the built-in definitions. Errors are printed.
+/// The texts of the definitions at a path, or of the built-in definitions. Prints errors.
 pub(super) fn texts(path: Option<&Path>) -> Result<Texts, Status> {
     Texts::load(path).map_err(|failure| Status::Usage.failed(&failure))
 }
 
-/// The tag of the labels' language. Errors are printed.
+/// The tag of the language of the labels. Prints errors.
 pub(super) fn language(wanted: Option<&str>, languages: &BTreeMap<String, String>) -> Result<String, Status> {
     let wanted = wanted.unwrap_or(ENGLISH);
     let known = std::iter::once(ENGLISH).chain(languages.keys().map(String::as_str));

@@ -49,7 +49,7 @@ fn init(args: &InitArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The files of a workspace for the packages, or for an example.
+/// The files of a workspace for the packages that were found, or for an example.
 fn files(args: &InitArgs, found: &[FoundPackage]) -> NewFiles {
     let mut files = NewFiles::default();
     let example = || FoundPackage {
@@ -70,7 +70,7 @@ fn files(args: &InitArgs, found: &[FoundPackage]) -> NewFiles {
 }
 
 impl InitArgs {
-    /// The outputs, as lines of the configuration.
+    /// The lines of the configuration that specify the outputs.
     fn outputs(&self) -> &'static [&'static str] {
         match self {
             Self { rust: true, .. } => &[
@@ -89,7 +89,7 @@ impl InitArgs {
     }
 }
 
-/// Prints the packages, the files, and the next commands.
+/// Prints the packages that were found, the new files, and the next commands.
 fn report(args: &InitArgs, found: &[FoundPackage], files: &NewFiles) {
     for FoundPackage { name, dialect, include } in found {
         terminal::println!("found package {name} ({dialect}): {}", terminal::shown(&include.join(", ")));

@@ -17,16 +17,16 @@ const CREDENTIALS: &str = "credentials come from the environment, such as AWS_AC
 #[derive(Default)]
 pub(super) struct Found {
     pub(super) captures: Vec<Input>,
-    /// The inputs that can't be read, or contain no captures.
+    /// The inputs that can't be read, and the inputs without captures.
     pub(super) unreadable: Vec<Unreadable>,
-    /// The other files in folders.
+    /// The other files in folders, which aren't checked.
     pub(super) skipped: Vec<Unreadable>,
-    /// The folders and patterns that yield no captures.
+    /// The folders and patterns that contain no captures.
     empty: Vec<Unreadable>,
 }
 
 impl Found {
-    /// Finds the captures, in the order of the inputs. Errors are printed.
+    /// Finds the captures, in the order of the inputs. Prints errors.
     pub(super) fn new(inputs: &[PathBuf]) -> Result<Self, Status> {
         let mut found = Self::default();
         for input in inputs {
@@ -35,14 +35,15 @@ impl Found {
                 None => found.add_path(input)?,
             }
         }
-        // If there are no captures at all, empty folders aren't failures: the outcome is that nothing was checked.
+        // If there are no captures at all, empty folders aren't failures. The outcome then says that nothing was
+        // checked.
         if !found.captures.is_empty() {
             found.unreadable.append(&mut found.empty);
         }
         Ok(found)
     }
 
-    /// Skips the captures that are done. Returns true if no captures remain. Prints the numbers.
+    /// Skips the captures that are done, and prints the numbers of captures. Returns true if no captures remain.
     pub(super) fn skip(&mut self, done: &Done) -> bool {
         let before = self.captures.len();
         self.captures.retain(|input| !done.contains(&input.name(), &Origin::of(input)));

@@ -1,4 +1,4 @@
-//! Ends a probe after a signal. UAVs that received commands must not stay in the air.
+//! Ends a probe after a signal. UAVs that received commands must not remain in the air.
 
 use std::io::IsTerminal as _;
 use std::sync::OnceLock;
@@ -16,17 +16,18 @@ use super::{Status, uninterruptible};
 /// The exit status after an interrupt that ends the program immediately: 128 plus the number of SIGINT.
 pub(super) const INTERRUPTED: i32 = 130;
 
-/// The time after the first interrupt in which others are ignored. `timeout` sends its signal twice, and so does the end
-/// of a terminal session. Such a signal must not leave UAVs in the air.
+/// The time after the first interrupt during which other interrupts are ignored. `timeout` sends its signal twice, and
+/// so does the end of a terminal session. The second signal must not leave UAVs in the air.
 const REPEAT_TIME: Duration = Duration::from_secs(1);
 
 /// The time of the first interrupt.
 static FIRST: OnceLock<Instant> = OnceLock::new();
 
-/// Handles the signals that end programs. If the probe may send commands, also handles the signals that suspend them.
+/// Installs handlers for signals that end programs. If the probe may send commands, also for signals that suspend
+/// programs.
 pub(super) fn install(options: &Options) -> Result<(), Status> {
     let (stop, limit) = (options.stop.clone(), options.landing_limit.as_secs());
-    // New threads inherit the blocked signals.
+    // New threads inherit the set of blocked signals.
     #[cfg(unix)]
     if options.uavs.is_empty() {
         signals::outlive_full_files();
@@ -36,7 +37,7 @@ pub(super) fn install(options: &Options) -> Result<(), Status> {
     ctrlc::set_handler(move || end(&stop, limit)).map_err(uninterruptible)
 }
 
-/// Asks the probe to stop. The second request ends the program.
+/// Requests the end of the probe. The second request ends the program.
 fn end(stop: &Stop, limit: u64) {
     let first = *FIRST.get_or_init(|| Clock::real().now());
     if !request(stop, limit) {
@@ -49,7 +50,7 @@ fn end(stop: &Stop, limit: u64) {
     }
 }
 
-/// Asks the probe to stop. Returns false if it was already asked to stop.
+/// Requests the end of the probe. Returns false if this has already been requested.
 fn request(stop: &Stop, limit: u64) -> bool {
     let is_first = stop.request();
     if !is_first {
@@ -63,23 +64,23 @@ fn request(stop: &Stop, limit: u64) -> bool {
     true
 }
 
-/// Prints a line to standard error. The terminal may be gone.
+/// Prints a line to standard error. Ignores errors, because the terminal may be gone.
 pub(super) fn print(line: &str) {
     // The signal may arrive while a progress bar is shown.
     let start = if std::io::stderr().is_terminal() { "\n" } else { "" };
     terminal::print_error(format_args!("{start}{line}\n"));
 }
 
-/// Prints a line in a separate thread. A terminal that accepts no output must not delay the landing.
+/// Prints a line in a separate thread, because a terminal that accepts no output must not delay the landing.
 pub(super) fn print_later(line: &str) {
     let line = line.to_owned();
     thread::spawn(move || print(&line));
 }
 
-/// When dropped, prints the UAVs that may be unsafe, even after a panic.
+/// Prints the UAVs that may be unsafe when it is dropped, even after a panic.
 pub(super) struct Danger {
     stop: Stop,
-    /// The UAVs and the reason, after the probe has ended.
+    /// The UAVs that may be unsafe, with the reason. Set after the probe has ended.
     pub(super) known: Option<String>,
 }
 
@@ -109,11 +110,12 @@ mod signals {
     pub(super) fn outlive_full_files() {
         let mut signals = SigSet::empty();
         signals.add(Signal::SIGXFSZ);
-        // If the signal isn't blocked, the program ends as other programs do.
+        // If the signal isn't blocked, the program ends like other programs.
         let _ = signals.thread_block();
     }
 
-    /// Blocks all signals, and handles them in a thread. None of them may end or suspend the probe while UAVs fly.
+    /// Blocks all signals, and handles them in a thread, so that no signal ends or suspends the probe while UAVs are
+    /// flying.
     pub(super) fn take(stop: &Stop, limit: u64) {
         let signals = SigSet::all();
         if signals.thread_block().is_err() {
@@ -127,7 +129,7 @@ mod signals {
         });
     }
 
-    /// Handles a signal; `None` is one without a name.
+    /// Handles a signal. `None` denotes a signal without a name.
     fn handle(signal: Option<Signal>, stop: &Stop, limit: u64) {
         use Signal::{
             SIGCHLD, SIGCONT, SIGHUP, SIGINT, SIGPIPE, SIGQUIT, SIGTERM, SIGTSTP, SIGTTIN, SIGTTOU, SIGURG,
@@ -137,7 +139,7 @@ mod signals {
             Some(SIGCHLD | SIGCONT | SIGPIPE | SIGTTIN | SIGTTOU | SIGURG | SIGWINCH) => {}
             Some(SIGTSTP) => print("A probe that may send commands can't be suspended."),
             Some(SIGINT | SIGTERM | SIGHUP | SIGQUIT) => end(stop, limit),
-            // Limits and timers repeat their signals, so the second one must not end the program.
+            // Limits and timers repeat their signals, so the second signal must not end the program.
             _ => _ = request(stop, limit),
         }
     }

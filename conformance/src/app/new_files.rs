@@ -1,4 +1,4 @@
-//! Writes new files: all or none.
+//! Writes new files: either all of them or none.
 
 use std::fs;
 use std::io::{self, Write as _};
@@ -12,7 +12,7 @@ use uavspec_schema::stage::Stage;
 #[derive(Debug, Default)]
 pub(super) struct NewFiles {
     pub(super) files: Vec<(PathBuf, Vec<u8>)>,
-    /// A folder that must not exist either.
+    /// A folder that must not exist yet. `None` if there is no such folder.
     pub(super) new_folder: Option<&'static str>,
 }
 
@@ -28,7 +28,7 @@ impl NewFiles {
     }
 
     /// Writes the files to a folder, which is created if necessary. Existing files are never replaced. If this fails,
-    /// nothing remains.
+    /// everything that was created is removed.
     pub(super) fn write(&self, folder: &Path) -> Result<(), Failure> {
         self.check_absent(folder)?;
         write(folder, self).map_err(|error| {
@@ -37,8 +37,8 @@ impl NewFiles {
         })
     }
 
-    /// Fails if one of the files exists, a file with the name of a folder, or the new folder. The failure lists all of
-    /// them.
+    /// Fails if any of these already exists: one of the files, a file with the name of a required folder, or the new
+    /// folder. The error lists all of them.
     fn check_absent(&self, folder: &Path) -> Result<(), Failure> {
         let obstacle = |file: &Path| {
             let mut parents = file.ancestors().skip(1).filter(|parent| !parent.as_os_str().is_empty());
@@ -59,15 +59,15 @@ impl NewFiles {
     }
 }
 
-/// The displayed path of a file in a folder.
+/// The path of a file in a folder, in the form that is displayed.
 pub(super) fn shown(folder: &Path, path: &Path) -> String {
     terminal::path(folder.strip_prefix(".").unwrap_or(folder).join(path))
 }
 
-/// The files and folders that were created, which are removed if another file can't be written.
+/// The files and folders that have been created. They are removed if another file can't be written.
 #[derive(Debug, Default)]
 struct Created {
-    /// From the outermost to the innermost.
+    /// The created folders, from the outermost to the innermost.
     folders: Vec<PathBuf>,
     files: Vec<PathBuf>,
 }
@@ -86,7 +86,7 @@ impl Created {
         self.create_folder(folder)?;
         let stage = Stage::new(folder)?;
         let mut staged = Vec::new();
-        // The whole content is on the disk before the first file appears.
+        // The complete content is on the disk before the first file appears.
         for (path, content) in &files.files {
             let mut file = stage.file(None)?;
             file.write_all(content)?;
@@ -113,7 +113,7 @@ impl Created {
         Ok(())
     }
 
-    /// Removes everything. Folders to which others added files are kept.
+    /// Removes everything that was created. Folders that contain other files are kept.
     fn remove(&self) {
         for file in &self.files {
             let _ = fs::remove_file(file);
@@ -165,7 +165,7 @@ mod tests {
             .map(|entry| entry.expect("an entry").into_path())
             .collect();
         assert_eq!(left, ["runtime", "runtime/src"].map(|path| folder.path().join(path)));
-        // Nothing is created for a folder that can't be created.
+        // If a folder can't be created, nothing is created.
         assert!(write(&folder.path().join("runtime/src/below"), &files()).is_err());
     }
 

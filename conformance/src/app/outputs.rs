@@ -1,7 +1,7 @@
 //! Protects the files of a run: an output never replaces an input or another output.
 //!
-//! Files are compared by identity, so other spellings of a path, symbolic links and hard links make no difference.
-//! Pipes and devices are not compared, because writing to them replaces nothing.
+//! Files are compared by identity, so different spellings of a path, symbolic links and hard links are detected. Pipes
+//! and devices aren't compared, because writing to them replaces nothing.
 
 use std::path::{Path, PathBuf};
 
@@ -19,7 +19,7 @@ const STANDARD: &str = "-";
 /// The files that a run reads.
 #[derive(Default)]
 pub(super) struct Inputs<'a> {
-    /// Files and folders of bags; `-` means standard input.
+    /// Files, and folders of bags. `-` means standard input.
     pub(super) files: Vec<&'a Path>,
     /// The paths of definitions.
     pub(super) definitions: Vec<&'a Path>,
@@ -29,7 +29,7 @@ pub(super) struct Inputs<'a> {
 
 /// A file that a run writes.
 pub(super) struct Output<'a> {
-    /// The name in messages, such as `--record run.jsonl`.
+    /// The option and its value, for messages, such as `--record run.jsonl`.
     pub(super) name: String,
     /// The path; `-` means standard output.
     pub(super) path: &'a Path,
@@ -42,13 +42,13 @@ impl<'a> Output<'a> {
     }
 }
 
-/// An output with its identity.
+/// An output with the identity of its file.
 struct Target {
     name: String,
     identity: Identity,
 }
 
-/// Returns an error if an output is an input, or the same file as another output. Errors are printed.
+/// Fails if an output is an input, or is the same file as another output. Prints errors.
 pub(super) fn check(inputs: &Inputs<'_>, outputs: &[Output<'_>]) -> Result<(), Status> {
     let help = "choose another file for the output";
     problem(inputs, outputs).map_or(Ok(()), |problem| Err(Status::Usage.with_help(problem, help)))
@@ -60,7 +60,7 @@ fn problem(inputs: &Inputs<'_>, outputs: &[Output<'_>]) -> Option<String> {
     shared(&targets).or_else(|| overwritten(inputs, &targets))
 }
 
-/// The error for two outputs that are the same file.
+/// The error if two outputs are the same file.
 fn shared(targets: &[Target]) -> Option<String> {
     targets.iter().enumerate().find_map(|(at, target)| {
         let other = targets[..at].iter().find(|other| target.identity.is_same(&other.identity))?;
@@ -68,7 +68,7 @@ fn shared(targets: &[Target]) -> Option<String> {
     })
 }
 
-/// The error for an output that is an input.
+/// The error if an output is an input.
 fn overwritten(inputs: &Inputs<'_>, targets: &[Target]) -> Option<String> {
     if targets.is_empty() {
         return None;
@@ -93,7 +93,7 @@ fn schema_files(folder: &Path) -> impl Iterator<Item = PathBuf> {
 }
 
 impl Target {
-    /// The target of an output; `None` for pipes, devices and folders.
+    /// The target of an output. `None` for pipes, devices and folders.
     fn of(output: &Output<'_>) -> Option<Self> {
         Some(Self { name: output.name.clone(), identity: Identity::of(output.path)? })
     }

@@ -104,13 +104,13 @@ pub(super) struct ProbeArgs {
     limit: Option<Duration>,
     /// Time to wait for the response to a request, from 1 to 60 [default: 5].
     ///
-    /// The probe goes on with other requests meanwhile.
+    /// Meanwhile, the probe continues with other requests.
     #[arg(long, value_name = "SECONDS", value_parser = timeout)]
     timeout: Option<Duration>,
     /// Shell command that restarts the server after it has stopped serving.
     ///
-    /// The probe waits until the server serves again, and goes on. Without this option, the probe ends if the server
-    /// doesn't serve again by itself, and the outcome says how many requests were not sent.
+    /// The probe waits until the server serves again, and continues. Without this option, the probe ends if the server
+    /// doesn't recover by itself, and the outcome says how many requests were not sent.
     #[arg(long, value_name = "COMMAND")]
     on_crash: Option<String>,
     /// Time to wait for the UAVs of --uav to appear [default: 30].
@@ -118,10 +118,11 @@ pub(super) struct ProbeArgs {
     /// If one of them doesn't appear, the probe is incomplete.
     #[arg(long, value_name = "SECONDS", value_parser = seconds, requires = "allow_commands")]
     uav_timeout: Option<Duration>,
-    /// Time to land the UAVs, stop their motors and wake them at the end of the probe [default: 120].
+    /// Maximum time for the clean-up at the end of the probe: to land UAVs, stop their motors and wake sleeping UAVs
+    /// [default: 120].
     ///
-    /// The probe does this even if it is interrupted, the time limit is reached or the connection is lost. It connects
-    /// again as often as necessary.
+    /// The probe does this even if it is interrupted, the time limit is reached or the connection is lost. It
+    /// reconnects as often as necessary.
     #[arg(long, value_name = "SECONDS", value_parser = seconds, requires = "allow_commands")]
     landing_limit: Option<Duration>,
     /// Record the session to this file. The messages of a vehicle are recorded as a bag in MCAP.
@@ -164,14 +165,14 @@ pub(super) fn run(args: &ProbeArgs) -> Exit {
 }
 
 impl ProbeArgs {
-    /// An error if an option doesn't apply to the target.
+    /// The error for an option that doesn't apply to the target, if there is one.
     fn misplaced(&self) -> Option<String> {
         if self.targets.len() > 1 {
             let is_vehicle = |target: &Target| matches!(target, Target::Vehicle(_));
             let problem = if self.targets.iter().any(is_vehicle) {
                 Some("several URLs: all must be URLs of Flockwave servers")
             } else if self.record.is_some() {
-                Some("--record: probe one URL at a time, because a recording contains one server")
+                Some("--record: probe one URL at a time, because a recording can contain only one server")
             } else {
                 None
             };
@@ -220,7 +221,7 @@ fn probe_servers(args: &ProbeArgs) -> Exit {
     let options = options(args, &definitions)?;
     let mut record = recording(args)?;
     interrupt::install(&options)?;
-    // The last line, even if reporting fails.
+    // This is the last line, even if reporting fails.
     let mut danger = Danger::new(&options.stop);
     let (mut all, mut failed, mut unrecorded) = (Vec::new(), Vec::new(), None);
     let mut endpoints = args.endpoints().into_iter();
@@ -235,14 +236,14 @@ fn probe_servers(args: &ProbeArgs) -> Exit {
         let Probed { result, requests, notes, failure, cut_short, left_out, .. } = probed;
         danger.known = probed.danger;
         unrecorded = unrecorded.or(probed.unrecorded);
-        // If nothing came from the server, the failure is sufficient.
+        // If the server sent nothing, the failure alone is sufficient.
         let is_silent = failure.is_some() && result.records == 0;
         if let Some(message) = &failure {
             terminal::error(format_args!("{path}: {message}"), None);
             failed.push(Unreadable { path: path.clone(), message: message.clone() });
         }
         if !is_silent {
-            // If the probe failed, the checked part says little.
+            // If the probe failed, the part that was checked says little.
             let cut_short = cut_short.or(failure).into_iter().chain(left_out).collect();
             all.push(CheckedCapture { path, result, notes, requests, cut_short, elapsed });
         }
@@ -254,7 +255,7 @@ fn probe_servers(args: &ProbeArgs) -> Exit {
     settings.allows_incomplete &= !options.stop.is_requested() && danger.known.is_none();
     settings.is_unrecorded = args.record.is_none();
     settings.probe = Some(reproducing_words());
-    let message = "not probed: the probe was ended before".to_owned();
+    let message = "not probed: the run ended early".to_owned();
     let not_probed =
         |endpoint: &Endpoint| Unreadable { path: endpoint.to_string(), message: message.clone() };
     let unreadable = endpoints.map(not_probed).chain(failed).collect();
@@ -297,7 +298,7 @@ fn report(
     outputs.deliver(&report.with_stale(baseline::reasons(&baselines))).max(baseline_status)
 }
 
-/// Starts the reports, and checks that no output replaces an input. Errors are printed.
+/// Starts the reports, and checks that no output replaces an input. Prints errors.
 fn start_reports(args: &ProbeArgs) -> Result<Outputs<'_>, Status> {
     let record = args.record.iter().map(|path| Output::new("--record", path));
     let outputs: Vec<Output<'_>> =
@@ -311,9 +312,9 @@ fn start_reports(args: &ProbeArgs) -> Result<Outputs<'_>, Status> {
     args.report.start(Action::Probe, false)
 }
 
-/// The options of the probe. Unknown names are printed as errors.
+/// The options of the probe. Prints an error if a name is unknown.
 fn options(args: &ProbeArgs, definitions: &Definitions) -> Result<Options, Status> {
-    // The trials depend on the transport. A name must be known for one of the servers.
+    // The trials depend on the transport, so a name must be known for at least one of the servers.
     let mut selection = Ok(Selection::default());
     for endpoint in args.endpoints() {
         selection = Selection::new(args.only.clone(), args.skip.clone(), definitions, endpoint);
@@ -339,7 +340,7 @@ fn options(args: &ProbeArgs, definitions: &Definitions) -> Result<Options, Statu
     })
 }
 
-/// The options that select parts of the probe, or that concern only its outputs. True if the option has a value.
+/// The options that select parts of the probe or affect only its outputs. The flag is true if the option has a value.
 const NOT_REPRODUCING: [(&str, bool); 15] = [
     ("--allow-incomplete", false),
     ("--baseline", true),
@@ -358,7 +359,7 @@ const NOT_REPRODUCING: [(&str, bool); 15] = [
     ("--limit", true),
 ];
 
-/// The words of the command line that are required to see a finding again, without the URLs.
+/// The words of the command line that are needed to reproduce a finding, without the URLs.
 fn reproducing_words() -> Vec<String> {
     let mut words = super::words().into_iter();
     let mut kept = vec!["uavspec".to_owned()];
@@ -375,7 +376,7 @@ fn reproducing_words() -> Vec<String> {
     kept
 }
 
-/// A time that a request may stay unanswered. A shorter time would cause false findings.
+/// Parses the time for which a request may remain unanswered. A shorter time would cause false findings.
 fn timeout(text: &str) -> Result<Duration, String> {
     let time = seconds(text)?;
     let is_sensible = (Duration::from_secs(1)..=Duration::from_secs(60)).contains(&time);
@@ -387,7 +388,7 @@ fn unrecorded_at(path: &Path, error: &io::Error) -> Status {
     unreadable(path, format_args!("can't write the recording: {error}"))
 }
 
-/// Creates the `--record` file. Errors are printed.
+/// Creates the `--record` file. Prints errors.
 fn recording(args: &ProbeArgs) -> Result<Option<Box<dyn Write>>, Status> {
     let Some(path) = &args.record else { return Ok(None) };
     let file = File::create(path).map_err(|error| unrecorded_at(path, &error))?;

@@ -18,8 +18,8 @@ impl Progress {
         Self::shown("{wide_bar} {human_pos} of {human_len} {msg}, {elapsed}").with_message(noun)
     }
 
-    /// Sets the number of finished steps and the total. A terminal that accepts no output may block the caller only if
-    /// the total changes: a probe must be able to land UAVs.
+    /// Sets the number of finished steps and the total. If a terminal accepts no output, only a new total may block the
+    /// caller, because a probe must be able to land UAVs.
     pub(super) fn set(&self, done: usize, total: usize) {
         if self.1.swap(total as u64, Ordering::Relaxed) != total as u64 {
             self.0.set_length(total as u64);
@@ -32,7 +32,7 @@ impl Progress {
         self.0.set_message(text);
     }
 
-    /// Creates a bar for a period of time. `describe` sets the text next to it.
+    /// Creates a bar for an elapsing time. `describe` sets the text next to it.
     pub(super) fn time() -> Self {
         Self::shown("{wide_bar} {msg}, {elapsed}")
     }
@@ -45,7 +45,7 @@ impl Progress {
         progress
     }
 
-    /// Wraps `input` in a reader that advances the bar.
+    /// Returns a reader that reads `input` and advances the bar.
     pub(super) fn reading(&self, input: impl Read + Send + 'static) -> Box<dyn Read + Send> {
         Box::new(self.0.wrap_read(input))
     }
@@ -60,7 +60,7 @@ impl Progress {
             return Self(ProgressBar::hidden(), AtomicU64::new(0));
         }
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
-        // With an invalid template, the default style is used.
+        // If the template is invalid, the default style is used.
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
         }

@@ -42,12 +42,12 @@ pub(super) struct ReportArgs {
     report: Vec<Target>,
 }
 
-/// The reports of a run. Each report is written after the run, but contains subjects that are already dropped.
+/// The reports of a run. Each report is completed after the run, and contains subjects that have already been dropped.
 pub(super) struct Outputs<'a> {
     args: &'a ReportArgs,
     stream: Stream,
     tables: Vec<Dataset>,
-    /// The first printing error, which is reported together with the errors from writing report files.
+    /// The first error in printing. It is reported together with the errors from writing report files.
     unprinted: Option<String>,
 }
 
@@ -58,7 +58,7 @@ struct Target {
     path: PathBuf,
 }
 
-/// The kind of a report in files.
+/// The kind of a report that is written to files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum TargetKind {
     /// A single file, which is written after the run.
@@ -107,7 +107,7 @@ fn kinds() -> String {
 }
 
 impl ReportArgs {
-    /// Returns an error if the arguments contradict each other.
+    /// The error if the arguments contradict each other.
     pub(super) fn problem(&self) -> Option<String> {
         if let Some(target) =
             self.report.iter().find(|target| target.is_printed() && target.kind.file().is_none())
@@ -143,13 +143,13 @@ impl ReportArgs {
         self.format.or(printed).unwrap_or(Kind::Text)
     }
 
-    /// The reports in a single file.
+    /// The reports that are single files.
     fn files(&self) -> impl Iterator<Item = (Kind, &Path)> {
         let files = self.report.iter().filter(|target| !target.is_printed());
         files.filter_map(|target| Some((target.kind.file()?, target.path.as_path())))
     }
 
-    /// Creates the folders of tables. Errors are printed.
+    /// Creates the folders of tables. Prints errors.
     fn tables(&self, has_timeline: bool) -> Result<Vec<Dataset>, Status> {
         let tables = self.report.iter().filter_map(|target| match target.kind {
             TargetKind::Tables(format) => Some((format, target.path.as_path())),
@@ -158,16 +158,17 @@ impl ReportArgs {
         let created = tables.map(|(format, path)| {
             Dataset::create(path, format, has_timeline).map_err(|error| {
                 let problem = format!("{}: can't write the tables: {error}", terminal::path(path));
-                Status::Usage.with_help(problem, "name a new folder")
+                Status::Usage.with_help(problem, "specify a new folder")
             })
         });
         created.collect()
     }
 
-    /// Starts the reports of a run. From now on, no other run writes to the folders of the tables.
-    /// Errors are printed. `has_timeline` adds the table of the timelines.
+    /// Starts the reports of a run. From now on, no other run can write to the folders of the tables. `has_timeline`
+    /// adds the table of the timelines. Prints errors.
     pub(super) fn start(&self, action: Action, has_timeline: bool) -> Result<Outputs<'_>, Status> {
-        // The sections of a text report are printed immediately. The other formats follow the report files.
+        // A text report is printed section by section. Reports in the other formats are printed after the report files
+        // have been written.
         let printed = Some(self.printed()).filter(|kind| *kind != Kind::Text).map(|kind| (kind, None));
         let files = self.files().map(|(kind, path)| (kind, folder_for_parts(path)));
         let stream = Stream::new(action, &super::command(), files.chain(printed));
@@ -177,7 +178,7 @@ impl ReportArgs {
 }
 
 impl Outputs<'_> {
-    /// Continues the tables of an earlier run. Returns the captures that they contain. Errors are printed.
+    /// Continues the tables of an earlier run. Returns the captures that they contain. Prints errors.
     pub(super) fn resume(&mut self, folder: &Path, has_timeline: bool) -> Result<Done, Status> {
         let (tables, done) = Dataset::resume(folder, has_timeline).map_err(|error| {
             Status::Usage.with_help(format_args!("--resume {}: {error}", terminal::path(folder)), RESUMABLE)
@@ -186,7 +187,7 @@ impl Outputs<'_> {
         Ok(done)
     }
 
-    /// Adds a subject to all reports. If the printed report is text, the section of the subject is printed.
+    /// Adds a subject to all reports. If the printed report is text, prints the section of the subject.
     pub(super) fn add(&mut self, subject: &Subject, origin: &Origin, timeline: Option<&Timeline>) {
         if self.args.printed() == Kind::Text {
             self.keep_error(print(&subject_text(subject)));
@@ -204,20 +205,19 @@ impl Outputs<'_> {
         }
     }
 
-    /// The totals of all subjects. No subject can be added afterwards.
+    /// Returns the totals of all subjects. No further subjects can be added.
     pub(super) fn finish(&mut self) -> Totals {
         self.stream.finish()
     }
 
-    /// Keeps the first printing error until the reports are written.
+    /// Keeps the first error in printing until the reports are written.
     fn keep_error(&mut self, printed: io::Result<()>) {
         if let (Err(error), None) = (printed, &self.unprinted) {
             self.unprinted = Some(format!("standard output: can't print the report: {error}"));
         }
     }
 
-    /// Prints and writes all reports, even if one fails. Errors are printed. Returns the
-    /// status of the run.
+    /// Prints and writes all reports, even if one of them fails. Prints errors. Returns the status of the run.
     pub(super) fn deliver(mut self, report: &Report) -> Status {
         let failures = self.write(report);
         for failure in &failures {
@@ -280,12 +280,12 @@ pub(super) fn print(text: &str) -> io::Result<()> {
     ignore_broken_pipe(stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()))
 }
 
-/// Like [`print`]. Errors are printed.
+/// Like [`print`], but prints errors.
 pub(super) fn print_result(text: &str) -> Exit {
     print(text).map(|()| Status::Conforms).map_err(unprinted)
 }
 
-/// A closed pipe is not an error.
+/// Ignores the error for a closed pipe.
 fn ignore_broken_pipe(written: io::Result<()>) -> io::Result<()> {
     written.or_else(|error| if error.kind() == io::ErrorKind::BrokenPipe { Ok(()) } else { Err(error) })
 }

@@ -19,14 +19,14 @@ pub(super) struct RequireArgs {
 }
 
 impl RequireArgs {
-    /// The required rules. Unknown ids are printed as errors.
+    /// The required rules. Prints an error if an id is unknown.
     pub(super) fn rules(&self) -> Result<Vec<&'static Rule>, Status> {
         let unknown = |id: &str| unknown_rule(&format!("--require {id}: no such rule"), id);
         self.require.iter().map(|id| rule(id).ok_or_else(|| unknown(id))).collect()
     }
 }
 
-/// Prints and returns an error for each required rule that no subject covers.
+/// Prints an error for each required rule that no subject covers, and returns these errors.
 pub(super) fn uncovered(required: &[&Rule], totals: &Totals) -> Vec<Reason> {
     let uncovered = required.iter().filter(|rule| !totals.covers(rule.id));
     let reasons = uncovered.map(|rule| {

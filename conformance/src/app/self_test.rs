@@ -28,7 +28,7 @@ const FAIL: Style = AnsiColor::Red.on_default().bold();
 const PASS: Style = AnsiColor::Green.on_default().bold();
 const PLAIN: Style = Style::new();
 
-/// The time limit for a response of the testee, even on a busy computer.
+/// The time limit for a response of the testee. It is sufficient even on a busy computer.
 const TIMEOUT: Duration = Duration::from_secs(60);
 
 /// The time limit for the start of the testee. The command may build it first.
@@ -89,7 +89,7 @@ pub(super) fn self_test(args: &SelfTestArgs) -> Exit {
 fn test_vehicles(given: &[Address]) -> Result<bool, Status> {
     let mut buses: Vec<Address> = Vec::new();
     for address in given {
-        // Two pairs on the same bus would disturb each other.
+        // Two pairs of participants on the same bus would affect each other.
         if !buses.contains(address) {
             buses.push(address.clone());
         }
@@ -118,7 +118,7 @@ fn test_all(args: &SelfTestArgs) -> Result<bool, Status> {
     Ok(is_right)
 }
 
-/// Checks conforming captures. There must be no findings.
+/// Checks conforming captures. Returns true if there are no findings.
 fn recordings(definitions: &Definitions) -> bool {
     let mut is_right = true;
     terminal::println!("Captures that conform to the definitions:");
@@ -135,7 +135,7 @@ fn recordings(definitions: &Definitions) -> bool {
     is_right
 }
 
-/// Checks that each mutant violates exactly the expected rules.
+/// Checks that each mutant violates exactly the expected rules. Returns true if so.
 fn rules(rows: &[Row]) -> bool {
     terminal::println!("\nMutants found by each rule:");
     for rule in RULES {
@@ -152,7 +152,7 @@ fn rules(rows: &[Row]) -> bool {
     rows.iter().all(Row::is_right)
 }
 
-/// Probes the reference server without bugs and with each bug. The probe must find the bug and nothing else.
+/// Probes the reference server without bugs, and with each bug. Returns true if the probes find exactly the bugs.
 fn servers(definitions: &Definitions) -> bool {
     let cases = server_cases();
     let rows = rows("servers", cases.len(), |take| live(&cases, definitions, take));
@@ -170,8 +170,8 @@ fn servers(definitions: &Definitions) -> bool {
     print_probes(results)
 }
 
-/// Probes the PX4 references without bugs and with each bug. The probe must find the bug and nothing else. Bugs that a
-/// bus can't show are skipped.
+/// Probes the PX4 references without bugs, and with each bug. Returns true if the probes find exactly the bugs. Bugs
+/// that a bus can't show are skipped.
 fn vehicles(buses: &[Address]) -> bool {
     let cases = vehicle::cases();
     let (shown, skipped): (Vec<_>, Vec<_>) =
@@ -195,7 +195,8 @@ fn vehicles(buses: &[Address]) -> bool {
     are_right
 }
 
-/// Runs probes with a progress bar, and collects their results. `run` passes each result to its argument.
+/// Runs probes with a progress bar, and collects their results. `run` passes each result to the function that it
+/// receives.
 fn rows<R>(noun: &'static str, count: usize, run: impl FnOnce(&mut dyn FnMut(R))) -> Vec<R> {
     let (progress, mut rows) = (Progress::steps(noun), Vec::new());
     progress.set(0, count);
@@ -206,7 +207,7 @@ fn rows<R>(noun: &'static str, count: usize, run: impl FnOnce(&mut dyn FnMut(R))
     rows
 }
 
-/// Prints the result of each probe. Returns true if all are as expected.
+/// Prints the result of each probe. Returns true if all results are as expected.
 fn print_probes(results: impl Iterator<Item = (String, io::Result<Result<String, String>>)>) -> bool {
     let mut are_right = true;
     for (name, result) in results {
@@ -218,12 +219,12 @@ fn print_probes(results: impl Iterator<Item = (String, io::Result<Result<String,
     are_right
 }
 
-/// The text about a probe with the expected result.
+/// Describes a probe whose result is as expected.
 fn found_text(has_bug: bool, found: &Found) -> String {
     if has_bug { "found".to_owned() } else { format!("{} rules covered, no findings", found.covered.len()) }
 }
 
-/// Runs all cases with the testee, which must pass them all.
+/// Runs all cases with the testee. Returns true if it passes all of them.
 fn run_cases(definitions: &Definitions, testee: &[OsString]) -> Result<bool, String> {
     let cases = cases(definitions, definitions.types());
     let all: Vec<usize> = (0..cases.len()).collect();

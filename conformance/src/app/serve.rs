@@ -25,7 +25,7 @@ use super::{Exit, Status, uninterruptible};
 /// The default address, with the port that Flockwave clients try first.
 const DEFAULT_ADDRESS: &str = "127.0.0.1:5001";
 
-/// The interval between checks whether the server has failed.
+/// The interval between checks of whether the server has failed.
 const FAILURE_CHECK: Duration = Duration::from_millis(100);
 
 const EXAMPLES: &str = "Examples:
@@ -220,7 +220,7 @@ pub(super) fn serve(args: &ServeArgs) -> Exit {
     Ok(Status::Conforms)
 }
 
-/// Waits until the end is requested, the time has passed or the server fails.
+/// Waits until the end is requested, the time has passed, or the server has failed.
 fn wait(server: &Server, ending: &Receiver<()>, time: Option<Duration>) {
     let started = Clock::real().now();
     while !server.has_failed() {
@@ -268,7 +268,7 @@ fn addresses(args: &ServeArgs) -> Vec<(Transport, SocketAddr)> {
     given
 }
 
-/// Sends a message when standard input closes (if requested) or the user presses Ctrl-C. Errors are printed.
+/// Sends a message when the user presses Ctrl-C or, if requested, when standard input is closed. Prints errors.
 fn end_on_request(args: &ServeArgs, sender: Sender<()>) -> Result<(), Status> {
     if args.until_stdin_closes {
         let sender = sender.clone();
@@ -276,7 +276,7 @@ fn end_on_request(args: &ServeArgs, sender: Sender<()>) -> Result<(), Status> {
             let mut input = io::stdin().lock();
             let mut buffer = [0; 1024];
             while !matches!(input.read(&mut buffer), Ok(0) | Err(_)) {}
-            // The server may have ended already.
+            // The server may already have ended.
             let _ = sender.send(());
         });
     }

@@ -1,4 +1,4 @@
-//! Object stores in a program without the feature `stores`: each use is an error.
+//! Object stores, for a program without the feature `stores`: each use is an error.
 
 use uavspec_capture::input::Listed;
 

@@ -1,4 +1,4 @@
-//! Tables in a program without the feature `tables`: each use is an error.
+//! Tables, for a program without the feature `tables`: each use is an error.
 
 use std::io;
 use std::path::Path;

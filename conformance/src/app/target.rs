@@ -1,4 +1,4 @@
-//! The targets of commands that connect to something.
+//! The targets of commands that connect to a server or a vehicle.
 
 use std::str::FromStr;
 

@@ -97,7 +97,7 @@ pub(super) struct TestArgs {
     /// Number of pending requests per process.
     #[arg(long, value_name = "N", default_value = "32", value_parser = clap::value_parser!(u16).range(1..))]
     window: u16,
-    /// Stop after this many restarts in a row for which no test case is to blame.
+    /// Stop after this many restarts in a row that no test case caused.
     ///
     /// Each process of --jobs counts its own restarts. A case that crashes the testee costs one restart. The run also ends
     /// after 100 crashes in a row.
@@ -132,7 +132,7 @@ pub(super) struct TestArgs {
 pub(super) fn seconds(text: &str) -> Result<Duration, String> {
     let seconds: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
     let duration = Duration::try_from_secs_f64(seconds).map_err(|error| error.to_string())?;
-    // An `Instant` may overflow if a long time is added to it.
+    // Adding a long time to an `Instant` may cause an overflow.
     let is_sensible = !duration.is_zero() && duration <= Duration::from_secs(86_400);
     is_sensible
         .then_some(duration)
@@ -180,12 +180,12 @@ pub(super) fn test(args: &TestArgs) -> Exit {
     Ok(outputs.deliver(&report.with_stale(baseline::reasons(&baselines))).max(baseline_status))
 }
 
-/// Starts the reports, and checks that no output replaces an input. Errors are printed.
+/// Starts the reports, and checks that no output replaces an input. Prints errors.
 fn start_reports(args: &TestArgs) -> Result<Outputs<'_>, Status> {
     let cases = args.dump_cases.iter().map(|path| Output::new("--dump-cases", path));
     let outputs: Vec<Output<'_>> =
         cases.chain(args.report.outputs()).chain(baseline::outputs(&args.baseline)).collect();
-    // The words of the command may name the testee's program and its files.
+    // The words of the command may name the program and the files of the testee.
     let words = args.command.iter().map(Path::new).filter(|path| path.is_file());
     let inputs = Inputs {
         files: args.replay.as_deref().into_iter().chain(args.baseline.inputs()).chain(words).collect(),

@@ -42,7 +42,7 @@ const MIN_FRAME_TIME: Duration = Duration::from_millis(100);
 /// The time that --once waits for the UAVs of a server.
 const TIME: Duration = Duration::from_secs(5);
 
-/// The maximum time between two frames. Displayed ages must increase even if there are no inputs.
+/// The maximum time between two frames. It ensures that the displayed ages increase even if there are no inputs.
 const MAX_FRAME_TIME: Duration = Duration::from_millis(500);
 
 const EXAMPLES: &str = "Examples:
@@ -141,7 +141,7 @@ pub(super) fn watch(args: &WatchArgs) -> Exit {
         Source::Target(Target::Server(endpoint)) => watch_server(args, endpoint),
         Source::Target(Target::Vehicle(address)) => vehicle::watch_vehicle(args, address),
         Source::Capture(path) => {
-            // If the state were written to the capture itself, the capture would never end.
+            // If the state were written to the capture itself, reading the capture would never end.
             let inputs = Inputs { files: vec![path], ..Inputs::default() };
             outputs::check(&inputs, &[])?;
             vehicle::watch_capture(args, path)
@@ -165,7 +165,7 @@ fn watch_server(args: &WatchArgs, endpoint: &Endpoint) -> Exit {
     }
 }
 
-/// Waits until all UAVs have reported their state, and prints the table.
+/// Waits until all UAVs have reported their state, or until the time has passed. Then prints the table.
 fn watch_once(time: Duration, endpoint: &Endpoint, codes: &Codes, inputs: &Receiver<Input>) -> Exit {
     let clock = Clock::real();
     let fleet = gather(&clock, time, inputs);
@@ -184,7 +184,7 @@ fn unusable_terminal(error: impl Display) -> Status {
     Status::Unreadable.because(format_args!("can't use the terminal: {error}"))
 }
 
-/// Processes events until all UAVs have reported their state, or until the time is over.
+/// Processes events until all UAVs have reported their state, or until the time has passed.
 fn gather(clock: &Clock, time: Duration, inputs: &Receiver<Input>) -> Fleet {
     let until = clock.now() + time;
     let mut fleet = Fleet::default();
@@ -208,7 +208,7 @@ fn missing(fleet: &Fleet) -> String {
     }
 }
 
-/// Restores the terminal on drop.
+/// Restores the terminal when it is dropped.
 struct Restore;
 
 impl Drop for Restore {
@@ -266,7 +266,7 @@ fn show<S>(
                 Err(RecvTimeoutError::Timeout) => break,
             };
             due = drawn + MIN_FRAME_TIME;
-            // A server that sends without pausing must not delay the next frame.
+            // A server that sends continuously must not delay the next frame.
             if clock.now() >= due {
                 break;
             }
@@ -277,11 +277,11 @@ fn show<S>(
     }
 }
 
-/// Requests the end of the display when a signal asks for it.
+/// Requests the end of the display when a signal that ends programs arrives.
 fn install_end(sender: &SyncSender<Input>) -> io::Result<()> {
     let ending = sender.clone();
     let on_signal = move || {
-        // The receiver may be gone already.
+        // The receiver may already be gone.
         let _ = ending.send(Input::End);
     };
     ctrlc::set_handler(on_signal).map_err(io::Error::other)
@@ -292,7 +292,7 @@ fn theme() -> Theme {
     Theme { is_coloured: std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty()) }
 }
 
-/// Forwards the events of the terminal.
+/// Forwards terminal events to the input queue.
 fn forward_terminal_events(sender: &SyncSender<Input>) {
     loop {
         let event = event::read();
@@ -309,7 +309,7 @@ mod tests {
 
     use super::*;
 
-    /// The events of a connection, with the reason why the fleet stays incomplete.
+    /// Sequences of connection events, each with the reason why the fleet remains incomplete.
     const INCOMPLETE: [(&[&str], &str); 4] = [
         (&[], "the server doesn't respond"),
         (&[r#"{"type":"SYS-VER"}"#], "the server didn't send a list of its UAVs"),

@@ -19,7 +19,8 @@ use uavspec_model::text::{shown_url, thousands};
 
 use crate::limits::{MAX_ANSWER, MAX_REDIRECTS, MAX_REQUESTS};
 
-/// A limit that a server exceeds, or a redirect to another host. Another attempt would end in the same way.
+/// An error after which a request isn't repeated: the server exceeds a limit, or redirects to another host. Another
+/// attempt would fail in the same way.
 #[derive(Debug)]
 pub(super) struct Refused(String);
 
@@ -49,12 +50,12 @@ impl Refused {
 pub(super) struct Budget(Arc<AtomicU64>);
 
 impl Budget {
-    /// The budget of a list.
+    /// The budget for reading a list.
     pub(super) fn of_list() -> Self {
         Self(Arc::new(AtomicU64::new(MAX_REQUESTS)))
     }
 
-    /// Ends the limit, after the list is complete. The requests for an object are limited by its size.
+    /// Removes the limit after the list is complete, because the size of an object already limits the requests for it.
     pub(super) fn end(&self) {
         self.0.store(u64::MAX, Ordering::Relaxed);
     }
@@ -125,7 +126,8 @@ fn limited(body: HttpResponseBody, limit: usize) -> HttpResponseBody {
     }))
 }
 
-/// The client with these options. The store's client would follow redirects to other hosts, and name the URL there.
+/// Creates a client with these options. The store's own client would follow redirects to other hosts, and reveal the
+/// URL to them.
 fn client(options: &ClientOptions) -> reqwest::Result<Client> {
     use ClientConfigKey as Key;
 

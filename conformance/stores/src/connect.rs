@@ -28,7 +28,7 @@ use crate::request::{attempts, runtime, text};
 /// The time limits of a request. The other settings come from the environment.
 const LIMITS: [(ClientConfigKey, &str); 3] = [
     (ClientConfigKey::ConnectTimeout, "10 seconds"),
-    // Without any data.
+    // The maximum time during which no data arrives.
     (ClientConfigKey::ReadTimeout, "20 seconds"),
     (ClientConfigKey::Timeout, "300 seconds"),
 ];

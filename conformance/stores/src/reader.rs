@@ -43,7 +43,7 @@ pub(crate) struct Reader {
     known: Known,
     /// The rest of the current range.
     current: Bytes,
-    /// The start of the range after the requested ranges.
+    /// The offset at which the next range to request starts.
     next: u64,
     pending: Option<JoinHandle<Result<Bytes, String>>>,
     failure: Failure,
@@ -140,10 +140,10 @@ async fn up_to(
     Ok(bytes.freeze())
 }
 
-/// The problem of an object with a new version.
+/// The error for an object whose version changed during reading.
 const CHANGED: &str = "the object changed while it was read";
 
-/// The error of an object that can't be opened.
+/// The error for an object that can't be opened.
 fn unreadable(error: &Error) -> io::Error {
     let kind = match error {
         Error::NotFound { .. } => io::ErrorKind::NotFound,

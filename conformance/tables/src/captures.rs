@@ -21,11 +21,9 @@ pub(super) static TABLE: Table<CaptureRow> = Table {
         Column::text("firmware", "The name and version of the firmware in a log.", |row| {
             row.firmware.as_deref()
         }),
-        Column::text(
-            "release",
-            "The release that the capture agrees with best, such as `px4@1.16`.",
-            |row| row.release.as_deref(),
-        ),
+        Column::text("release", "The release that matches the capture best, such as `px4@1.16`.", |row| {
+            row.release.as_deref()
+        }),
         Column::time(
             "start",
             "The time of the first record, if the capture contains the time in UTC.",
@@ -73,7 +71,7 @@ pub(super) struct CaptureRow {
     topics: Option<u64>,
     checked_topics: Option<u64>,
     checked_values: Option<u64>,
-    /// The numbers of violated rules of level MUST and SHOULD.
+    /// The numbers of violated MUST and SHOULD rules.
     violated: [Option<u64>; 2],
     outcome: &'static str,
     text: String,
@@ -110,12 +108,12 @@ impl CaptureRow {
     }
 }
 
-/// The release that a capture agrees with best.
+/// The release that a capture matches best.
 pub(super) fn main_release(releases: &[ReleaseMatch]) -> Option<&str> {
     releases.iter().max_by_key(|release| release.matching).map(|release| release.release.as_str())
 }
 
-/// The kind of a capture, as in the JSON report.
+/// The kind of a capture, as in JSON reports.
 fn kind(summary: &Summary) -> &'static str {
     match summary {
         Summary::Log(_) => "ulog",

@@ -63,7 +63,7 @@ impl Problem {
         Self(text.into())
     }
 
-    /// The problem of a capture.
+    /// The problem with a capture.
     pub(super) fn of(name: &str, reason: impl fmt::Display) -> Self {
         Self(format!("{name}: {reason}"))
     }
@@ -84,7 +84,7 @@ impl fmt::Display for Problem {
 
 impl std::error::Error for Problem {}
 
-/// Tables with the results of captures, as on the page about tables in the guide.
+/// Tables with the results of captures. The page about tables in the guide describes them.
 #[derive(Clone, Debug)]
 pub struct Tables(Vec<(&'static str, RecordBatch)>);
 
@@ -118,7 +118,7 @@ pub struct Checked {
     pub tables: Tables,
 }
 
-/// The timeline of a capture, as `uavspec explain` shows it.
+/// The timeline of a capture, as in `uavspec explain`.
 #[derive(Debug)]
 pub struct Timeline {
     /// The text.
@@ -154,7 +154,7 @@ impl Checker {
     /// Reads the definitions.
     ///
     /// # Errors
-    /// Fails if the definitions, the schemas or the event metadata can't be read.
+    /// Reads the definitions and the other files in the options. Fails if one of them can't be read.
     pub fn new(options: &Options) -> Result<Self, Problem> {
         let path = options.definitions.as_deref();
         let library = path.map_or_else(|| Ok(Library::built_in()), |path| Library::load(path, None))?;
@@ -176,8 +176,8 @@ impl Checker {
     /// Checks a capture.
     ///
     /// # Errors
-    /// Fails if the capture can't be opened, or if an object can't be read completely. Content that can't be read is part
-    /// of the report.
+    /// Fails if the capture can't be opened, or if an object can't be read completely. If a part of the content can't
+    /// be read, the report says so.
     pub fn check(&self, capture: &Capture) -> Result<Checked, Problem> {
         let (input, subject, timeline) = self.subject(capture).map_err(|reason| capture.problem(reason))?;
         let mut rows = Rows::default();
@@ -193,7 +193,7 @@ impl Checker {
     /// table `failures`.
     ///
     /// # Errors
-    /// Fails if the results are too many for a table.
+    /// Fails if there are too many results for a table.
     pub fn check_all(&self, captures: &[Capture], jobs: Option<NonZeroUsize>) -> Result<Tables, Problem> {
         let (mut rows, mut failures) = (Rows::default(), Vec::new());
         let check = |capture: &Capture| self.subject(capture);
@@ -204,8 +204,8 @@ impl Checker {
         Tables::new(rows, &failures, self.texts.is_some())
     }
 
-    /// Reads the messages of a topic, which is named as in the capture. `instance` is the instance of a topic in a PX4
-    /// log.
+    /// Reads the messages of a topic. `topic` is the name in the capture, and `instance` is the instance of the topic
+    /// in a PX4 log.
     ///
     /// # Errors
     /// Fails if the capture can't be read, if it doesn't contain the topic, or if the topic has no definition.
@@ -217,7 +217,7 @@ impl Checker {
     /// Explains a capture.
     ///
     /// # Errors
-    /// Fails if the capture can't be read, or without a timeline in the options.
+    /// Fails if the capture can't be read, or if the options don't request the timeline.
     pub fn explain(&self, capture: &Capture) -> Result<Timeline, Problem> {
         let texts =
             self.texts.as_ref().ok_or_else(|| Problem::new("the timeline is not enabled in the options"))?;
@@ -248,7 +248,7 @@ impl Checker {
 }
 
 impl Capture {
-    /// The path, the URL, or the name of the bytes.
+    /// The path, the URL, or the name that was given for the bytes.
     pub fn name(&self) -> &str {
         match self {
             Self::Named(name) | Self::Bytes { name, .. } => name,

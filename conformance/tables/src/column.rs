@@ -17,17 +17,17 @@ pub(super) const VERSION: u32 = 1;
 /// The key of the version in the metadata of a schema.
 pub(super) const TABLES_KEY: &str = "uavspec.tables";
 
-/// A table with rows of the type `R`.
+/// A table whose rows have the type `R`.
 pub(super) struct Table<R: 'static> {
     /// The name.
     pub(super) name: &'static str,
-    /// The content of a row.
+    /// A description of what a row contains.
     #[cfg_attr(not(test), allow(dead_code, reason = "the guide contains it"))]
     pub(super) description: &'static str,
     pub(super) columns: &'static [Column<R>],
 }
 
-/// A column of a table with rows of the type `R`.
+/// A column of a table whose rows have the type `R`.
 pub(super) struct Column<R> {
     pub(super) name: &'static str,
     /// The meaning, as a sentence.
@@ -36,7 +36,7 @@ pub(super) struct Column<R> {
     pub(super) value: Value<R>,
 }
 
-/// The value of a row. `None` is a missing value.
+/// A function that returns the value of a row, by type. `None` means that the value is missing.
 pub(super) enum Value<R> {
     Text(fn(&R) -> Option<&str>),
     Count(fn(&R) -> Option<u64>),
@@ -133,7 +133,7 @@ impl<R> Table<R> {
         Arc::new(Schema::new_with_metadata(fields, HashMap::from(metadata)))
     }
 
-    /// The rows in Arrow.
+    /// The rows as an Arrow batch.
     pub(super) fn batch(&self, rows: &[R]) -> Result<RecordBatch, ArrowError> {
         let arrays: Result<Vec<_>, ArrowError> =
             self.columns.iter().map(|column| array_of(column, rows)).collect();
@@ -158,7 +158,7 @@ fn array_of<R>(column: &Column<R>, rows: &[R]) -> Result<ArrayRef, ArrowError> {
     })
 }
 
-/// Fails if the texts of a column are too long. Arrow stores their positions in 32 bits.
+/// Fails if the texts in a column are too long, because Arrow stores their positions in 32 bits.
 fn check_size(column: &str, lengths: impl Iterator<Item = usize>) -> Result<(), ArrowError> {
     if i32::try_from(lengths.sum::<usize>()).is_ok() {
         return Ok(());
@@ -166,7 +166,7 @@ fn check_size(column: &str, lengths: impl Iterator<Item = usize>) -> Result<(), 
     Err(ArrowError::ComputeError(format!("the texts in the column `{column}` take more than 2 GiB")))
 }
 
-/// A signed integer, or `None` if the value is too large.
+/// The value as a signed integer. `None` if the value is too large.
 fn integer(value: Option<u64>) -> Option<i64> {
     value.and_then(|value| value.try_into().ok())
 }

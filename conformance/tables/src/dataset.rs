@@ -8,8 +8,8 @@
 //!  tables/failures/part-00000.parquet
 //! ```
 //!
-//! A part contains the rows of some captures, in all tables. Each file appears when it is complete, and the file of the
-//! captures appears last. After a run that was killed, the captures that are listed are therefore complete, and another
+//! A part contains the rows of some captures, in all tables. Each file appears only when it is complete, and the file
+//! of the table `captures` appears last. If a run is killed, all listed captures are therefore complete, and another
 //! run can continue. The failures of a run are written at its end.
 
 use std::fs;
@@ -30,26 +30,26 @@ use super::done::Done;
 use super::rows::{Rows, TABLES, is_of_timeline};
 use super::{captures, failures, timeline};
 
-/// The maximum number of captures in a part. A run that is killed loses the results of fewer captures.
+/// The maximum number of captures in a part. If a run is killed, the results of fewer captures are lost.
 const MAX_CAPTURES: usize = 256;
 
-/// The number of rows, in all tables, above which a part is written.
+/// The total number of rows in all tables above which a part is written.
 const MAX_ROWS: usize = 100_000;
 
-/// The number of rows in a row group. A query skips row groups by their statistics.
+/// The maximum number of rows in a row group. A query uses statistics to skip row groups.
 const ROW_GROUP: usize = 8_192;
 
-/// The file in the folder of the captures that an engine writes last.
+/// The file that an engine writes last, in the folder of the table `captures`.
 const SUCCESS: &str = "_SUCCESS";
 
-/// The right to write to a folder. No other run has it at the same time.
+/// The exclusive right of a run to write to a folder.
 struct Claim {
-    /// Dropped first: the folder must be empty before it can be removed.
+    /// Dropped first, because the folder must be empty before it can be removed.
     stage: Stage,
     _new: Option<NewFolder>,
 }
 
-/// A folder that is removed if nothing was written to it.
+/// A folder that is removed if nothing has been written to it.
 struct NewFolder(PathBuf);
 
 /// The tables of a run.
@@ -59,20 +59,20 @@ pub struct Dataset {
     format: TableFormat,
     /// True if the folder contains the timeline.
     has_timeline: bool,
-    /// The rows of the next part.
+    /// The rows for the next part.
     rows: Rows,
-    /// The number of written parts.
+    /// The number of parts that have been written.
     parts: usize,
     failures: Vec<Unreadable>,
-    /// The first error. Nothing is written after it.
+    /// The first error. After an error, nothing is written.
     error: Option<io::Error>,
 }
 
 impl Dataset {
-    /// Starts the tables in a folder.
+    /// Starts the tables in a folder, which is created if necessary.
     ///
     /// # Errors
-    /// Fails if the folder contains anything, or if another run writes to it.
+    /// Fails if the folder isn't empty, or if another run is writing to it.
     pub fn create(folder: &Path, format: TableFormat, has_timeline: bool) -> io::Result<Self> {
         let claim = Claim::of(folder)?;
         if let Some(other) = claim.others(folder)?.next() {
@@ -81,14 +81,14 @@ impl Dataset {
         Ok(Self::new(folder, claim, format, has_timeline, 0))
     }
 
-    /// Continues the Parquet files of an earlier run. Also returns the captures that they contain. If there are no files
-    /// yet, starts them.
+    /// Continues the Parquet files of an earlier run, or starts them if there are none. Also returns the captures that
+    /// they contain.
     ///
-    /// An engine such as Spark may have written them.
+    /// The files may have been written by an engine such as Spark.
     ///
     /// # Errors
-    /// Fails if the files can't be read, if an engine didn't complete them, or if only one of the runs has a timeline. Also
-    /// fails if the folder contains other files but no tables, or if another run writes to it.
+    /// Fails if the files can't be read, if an engine didn't complete them, or if only one of the two runs has a
+    /// timeline. Also fails if the folder contains other files but no tables, or if another run is writing to it.
     pub fn resume(folder: &Path, has_timeline: bool) -> io::Result<(Self, Done)> {
         let (format, mut done) = (TableFormat::Parquet, Done::default());
         let claim = Claim::of(folder)?;
@@ -120,7 +120,7 @@ impl Dataset {
                 if has_timeline { "the tables have no timeline" } else { "the tables have a timeline" };
             return Err(io::Error::new(io::ErrorKind::InvalidInput, problem));
         }
-        // A run that was killed may have written some files of the next part.
+        // A run that was killed may have written some of the files of the next part.
         for table in TABLES {
             for file in files(&folder.join(table))? {
                 if number(&file).is_some_and(|number| number >= parts) {
@@ -128,7 +128,7 @@ impl Dataset {
                 }
             }
         }
-        // The failures of the earlier run are tried again.
+        // The captures that failed in the earlier run are tried again.
         for file in files(&folder.join(failures::TABLE.name))? {
             fs::remove_file(file)?;
         }
@@ -204,7 +204,7 @@ impl Dataset {
 }
 
 impl Claim {
-    /// Claims a folder, which is created if it is absent.
+    /// Claims a folder. Creates it if it doesn't exist.
     fn of(folder: &Path) -> io::Result<Self> {
         let is_new = !folder.exists();
         fs::create_dir_all(folder)?;
@@ -212,7 +212,7 @@ impl Claim {
         Ok(Self { stage: Stage::claim(folder)?, _new: new })
     }
 
-    /// The files and folders that others created.
+    /// The files and folders in the folder that this run didn't create.
     fn others(&self, folder: &Path) -> io::Result<impl Iterator<Item = PathBuf>> {
         let entries = fs::read_dir(folder)?.filter_map(Result::ok).map(|entry| entry.path());
         Ok(entries.filter(|path| path != self.stage.path()))
@@ -226,7 +226,7 @@ impl Drop for NewFolder {
     }
 }
 
-/// The error of a folder that contains other files.
+/// The error for a folder that contains other files.
 fn not_empty(other: &Path) -> io::Error {
     let name = other.file_name().unwrap_or_default();
     let problem = format!("the folder already contains `{}`", terminal::path(name));
@@ -240,7 +240,7 @@ fn files(folder: &Path) -> io::Result<Vec<PathBuf>> {
         entries => entries?,
     };
     let files: io::Result<Vec<PathBuf>> = entries.map(|entry| Ok(entry?.path())).collect();
-    // A run that was killed may leave a hidden folder. Engines write further hidden files.
+    // A run that was killed may leave a hidden folder. Engines also write hidden files.
     let is_visible = |path: &Path| {
         path.file_name().is_some_and(|name| !matches!(name.as_encoded_bytes(), [b'.' | b'_', ..]))
     };
@@ -250,7 +250,7 @@ fn files(folder: &Path) -> io::Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-/// The number of the part in a file's name.
+/// The part number in the name of a file.
 fn number(file: &Path) -> Option<usize> {
     file.file_stem()?.to_str()?.strip_prefix("part-")?.parse().ok()
 }

@@ -20,8 +20,8 @@ use super::column::{TABLES_KEY, VERSION};
 /// The columns that identify a version of a capture.
 const COLUMNS: [&str; 3] = ["capture", "etag", "size"];
 
-/// The captures of an earlier run, as hashes. A capture counts as done if its version is the same: the version that the
-/// object store states, or otherwise the size. A capture without either, such as standard input, is never done.
+/// The captures of an earlier run, as hashes. A capture is done if its version is the same. The version is the one that
+/// the object store states, or otherwise the size. A capture that has neither, such as standard input, is never done.
 #[derive(Debug, Default)]
 pub struct Done(HashSet<u64>);
 
@@ -33,7 +33,7 @@ impl Done {
         has_version && self.0.contains(&hash(capture, etag.as_deref(), *size))
     }
 
-    /// Adds the captures of a file of the table `captures`.
+    /// Adds the captures in a file of the table `captures`.
     pub(super) fn read(&mut self, file: &Path) -> io::Result<()> {
         let builder =
             ParquetRecordBatchReaderBuilder::try_new(File::open(file)?).map_err(io::Error::other)?;
@@ -66,8 +66,8 @@ impl Done {
     }
 }
 
-/// True if a file of the table `captures` has the current version. Engines write files without a version, so their columns
-/// must be the same.
+/// True if a file of the table `captures` has the current version. If an engine wrote the file, it has no version, so
+/// the columns must be the same.
 fn is_current(schema: &Schema) -> bool {
     if let Some(version) = schema.metadata().get(TABLES_KEY) {
         return *version == VERSION.to_string();

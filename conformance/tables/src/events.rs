@@ -7,7 +7,7 @@ use uavspec_runtime::event::{LogLevel, Profile};
 
 use super::column::{Column, Table};
 
-/// The maximum length of the texts of a capture's events, in bytes. Real ones take a few hundred bytes each.
+/// The maximum total length of the texts of a capture's events, in bytes. Real events take a few hundred bytes each.
 const MAX_TEXTS: usize = 16 << 20;
 
 pub(super) static TABLE: Table<EventRow> = Table {
@@ -104,7 +104,7 @@ impl EventRow {
         }
     }
 
-    /// Queries select events by name.
+    /// The sort key: queries select events by name.
     pub(super) fn key(&self) -> (Option<&str>, &str) {
         (self.name.as_deref(), &self.capture)
     }

@@ -21,11 +21,11 @@ static TABLE: Table<(String, Origin)> = Table {
     ],
 };
 
-/// Finds the captures that files, folders, patterns and URLs denote, like `uavspec check`. The table has the columns
-/// `capture`, `size` and `etag`, as in the table `captures`.
+/// Finds the captures that files, folders, patterns and URLs denote, like `uavspec check`. The resulting table has the
+/// columns `capture`, `size` and `etag` of the table `captures`.
 ///
 /// # Errors
-/// Fails if a folder or link can't be read, or if an input yields no captures.
+/// Fails if a folder or a link can't be read, or if an input contains no captures.
 pub fn find(inputs: &[PathBuf]) -> Result<RecordBatch, Problem> {
     let mut rows = Vec::new();
     for input in inputs {
@@ -36,7 +36,7 @@ pub fn find(inputs: &[PathBuf]) -> Result<RecordBatch, Problem> {
     TABLE.batch(&rows).map_err(|error| Problem::new(error.to_string()))
 }
 
-/// The capture with this path or URL.
+/// Finds the capture with this path or URL.
 ///
 /// # Errors
 /// Fails if a URL doesn't denote exactly one object.
@@ -50,7 +50,7 @@ pub(super) fn named(name: &str) -> Result<Input, String> {
     Ok(capture)
 }
 
-/// The captures that an input denotes, or the reason why there are none.
+/// The captures that an input denotes. The error is the reason why there are none.
 fn captures(input: &PathBuf) -> Result<Vec<Input>, String> {
     if let Some(url) = input.to_str().filter(|text| is_object_url(text)) {
         return list(url);

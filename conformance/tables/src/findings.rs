@@ -80,7 +80,7 @@ impl FindingRow {
         }
     }
 
-    /// Queries select findings by rule.
+    /// The sort key: queries select findings by rule.
     pub(super) fn key(&self) -> (&str, &str, &str) {
         (self.rule, &self.field, &self.capture)
     }

@@ -6,8 +6,8 @@
 //!
 //! Other programs check captures with a [`Checker`], and receive the tables in memory.
 //!
-//! A table states each column once: its name, type, unit and meaning, and the value of a row. The schema in the files, the
-//! batches and the documentation are derived from this.
+//! The declaration of a column is the only place that states its name, type, unit and meaning, and computes its value.
+//! The schema in the files, the batches and the documentation are derived from it.
 
 #![cfg(feature = "arrow")]
 

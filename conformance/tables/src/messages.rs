@@ -21,17 +21,17 @@ use self::columns::Column;
 /// The maximum number of rows in a batch.
 const ROWS: usize = 65_536;
 
-/// The size of the values above which a batch ends, in bytes. Arrow limits the text in a column to 2 GiB.
+/// The total size of the values, in bytes, above which a batch ends. Arrow limits the text in a column to 2 GiB.
 const SIZE: usize = 64 << 20;
 
-/// The name of the first column. If a field has this name, `_` follows.
+/// The name of the first column. `_` is appended if a field has the same name.
 const TIME: &str = "capture_time";
 
 /// The messages of a topic, with a row for each message.
 #[derive(Clone, Debug)]
 pub struct Messages {
-    /// The columns. Their metadata contain the `unit`, the `description` and the `values` of an enum, if the definition
-    /// contains them.
+    /// The columns. Their metadata contains `unit`, `description` and the `values` of an enum, if the definition states
+    /// them.
     pub schema: SchemaRef,
     /// The rows, in the order of the capture.
     pub batches: Vec<RecordBatch>,
@@ -55,12 +55,12 @@ struct Reader<'t> {
     instance: u8,
     /// The topics of the capture.
     topics: BTreeSet<String>,
-    /// The full names of the topic, with their instances.
+    /// The full names of the topic that were found, with their instances.
     found: BTreeSet<(String, Option<u8>)>,
     /// The number of messages that can't be read.
     unreadable: usize,
     has_definition: bool,
-    /// The indices of the channels whose type was compared with the columns.
+    /// The indices of the channels whose type has been compared with the columns.
     compared: BTreeSet<usize>,
     rows: Option<Rows>,
     batches: Vec<RecordBatch>,
@@ -88,7 +88,7 @@ impl Observer for Reader<'_> {
         if !self.is_wanted(channel) {
             return Interest::Nothing;
         }
-        // A new channel may reuse the index of an old one.
+        // A new channel may reuse the index of an old channel.
         self.compared.remove(&channel.index);
         self.has_definition |= channel.definition.is_some();
         Interest::Values
@@ -125,12 +125,12 @@ impl Observer for Reader<'_> {
 }
 
 impl Reader<'_> {
-    /// True if the channel has the topic, in any instance.
+    /// True if the channel carries the topic, in any instance.
     fn is_named(&self, channel: &Channel<'_>) -> bool {
         [channel.topic, channel.full_topic].contains(&self.topic)
     }
 
-    /// True if the channel has the topic and the instance.
+    /// True if the channel carries the topic, in the requested instance.
     fn is_wanted(&self, channel: &Channel<'_>) -> bool {
         self.is_named(channel) && channel.multi_id.is_none_or(|instance| instance == self.instance)
     }
@@ -173,7 +173,8 @@ impl Reader<'_> {
         }
     }
 
-    /// The reason why the topic has no rows, or why its rows belong to several topics.
+    /// The reason why the topic has no rows, or why its rows would come from several topics. `None` if there is no
+    /// problem.
     fn problem(&self) -> Option<String> {
         let Self { topic, instance, .. } = self;
         let names: BTreeSet<&str> = self.found.iter().map(|(name, _)| name.as_str()).collect();
@@ -198,7 +199,7 @@ impl Reader<'_> {
             ));
         }
         if !self.has_definition {
-            return Some(format!("topic `{topic}` has no definition: name definitions that contain it"));
+            return Some(format!("topic `{topic}` has no definition: specify definitions that contain it"));
         }
         (self.unreadable > 0).then(|| {
             format!(
@@ -210,7 +211,7 @@ impl Reader<'_> {
 }
 
 impl Rows {
-    /// Creates the rows. `fields` contains the fields without metadata.
+    /// Creates an empty set of rows. `fields` are the fields without metadata.
     fn new(fields: Vec<Field>, described: Vec<Field>, columns: Vec<Column>) -> Self {
         let mut name = TIME.to_owned();
         while fields.iter().any(|field| *field.name() == name) {
@@ -226,7 +227,7 @@ impl Rows {
         Self { schema, fields, times: Vec::new(), columns, size: 0 }
     }
 
-    /// The rows, which are then dropped.
+    /// Returns the rows as a batch, and removes them.
     fn batch(&mut self) -> Result<RecordBatch, ArrowError> {
         self.size = 0;
         let times: ArrayRef = Arc::new(UInt64Array::from(std::mem::take(&mut self.times)));

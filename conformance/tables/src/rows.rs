@@ -22,7 +22,7 @@ pub(super) const TABLES: [&str; 6] = [
     captures::TABLE.name,
 ];
 
-/// The length of texts of events that counts as another row, in bytes.
+/// The length of event texts that counts as an additional row, in bytes.
 const ROW_TEXTS: usize = 1 << 10;
 
 /// True if a table exists only in a run with timelines.
@@ -46,7 +46,7 @@ impl Rows {
         self.captures.len()
     }
 
-    /// The number of rows. Long texts of events count as further rows.
+    /// The number of rows. Long event texts count as additional rows.
     pub(super) fn num_rows(&self) -> usize {
         self.timeline.len()
             + self.events.iter().map(|row| 1 + row.size() / ROW_TEXTS).sum::<usize>()
@@ -66,9 +66,9 @@ impl Rows {
         self.captures.push(CaptureRow::of(subject, origin));
     }
 
-    /// Sorts each table by the columns that queries select rows by.
+    /// Sorts each table by the columns that queries use to select rows.
     pub(super) fn sort(&mut self) {
-        // The sort is stable, so the changes of a capture stay in chronological order.
+        // The sort is stable, so the changes in a capture remain in chronological order.
         self.timeline.sort_by(|one, other| one.key().cmp(&other.key()));
         self.events.sort_by(|one, other| one.key().cmp(&other.key()));
         self.topics.sort_by(|one, other| one.key().cmp(&other.key()));

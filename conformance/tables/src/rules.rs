@@ -42,7 +42,7 @@ impl RuleRow {
         })
     }
 
-    /// Queries select rules by id.
+    /// The sort key: queries select rules by id.
     pub(super) fn key(&self) -> (&str, &str) {
         (self.rule, &self.capture)
     }

@@ -147,7 +147,7 @@ fn used_folders_stay_unchanged() {
     assert_eq!(std::fs::read_dir(other.path()).expect("a folder").count(), 1);
 }
 
-/// Two runs would write parts with the same names.
+/// If two runs wrote to a folder, their parts would have the same names.
 #[test]
 fn only_one_run_at_a_time_writes_to_a_folder() {
     let parent = TempDir::new().expect("a folder");
@@ -198,7 +198,7 @@ fn a_resumed_run_continues_after_the_complete_parts() {
         tables.add(subject, &origin(number), None);
     }
     tables.add_unreadable(&Unreadable { path: "gone.ulg".to_owned(), message: "no such file".to_owned() });
-    // A run that is killed here has one complete part, and perhaps files of the next one.
+    // If a run is killed here, one part is complete, and there may be files of the next part.
     drop(tables);
     fs::copy(&files(folder.path(), "rules")[0], folder.path().join("rules/part-00001.parquet"))
         .expect("a copy");
@@ -288,7 +288,7 @@ fn tables_of_an_engine_are_continued_if_they_are_complete() {
     assert_eq!(texts(folder.path(), "captures", "capture").len(), 2);
 }
 
-/// Arming check requests with these ids.
+/// A capture of arming check requests with these ids.
 fn requests(ids: &[u64]) -> Capture {
     let lines = ids.iter().map(|id| {
         format!(r#"{{"type": "px4/ArmingCheckRequest", "message": {{"timestamp": {id}, "request_id": {id}, "valid_registrations_mask": 1}}}}"#)
@@ -339,7 +339,7 @@ fn messages_of_a_topic_are_rows() {
     );
 }
 
-/// A checker with metadata of the event 7, and the path of the metadata.
+/// A checker with metadata for the event 7. Also returns the path of the metadata.
 fn checker_of_events(folder: &TempDir, description: &str) -> (Checker, PathBuf) {
     let path = folder.path().join("kite.json");
     let json = format!(
@@ -352,7 +352,7 @@ fn checker_of_events(folder: &TempDir, description: &str) -> (Checker, PathBuf) 
     (Checker::new(&options).expect("event metadata"), path)
 }
 
-/// Events with these ids, which are numbered from 8.
+/// A capture of events with these ids. The events are numbered from 8.
 fn events_with(ids: impl IntoIterator<Item = u8>) -> Capture {
     let arguments = [&[0, 0, 0xa0, 0x3f, 0xff][..], &[0; 20]].concat();
     let event = |(sequence, id)| {
@@ -386,7 +386,7 @@ fn events_are_rows_with_their_texts() {
         let array = events.column_by_name(column).expect("a column").as_string::<i32>().clone();
         array.iter().map(|text| text.map(str::to_owned)).collect::<Vec<_>>()
     };
-    // An event without a name comes first.
+    // An event without a name is sorted first.
     for (column, expected) in [
         ("name", "common::kite_landed"),
         ("event_group", "default"),
@@ -404,7 +404,7 @@ fn events_are_rows_with_their_texts() {
     assert_eq!(sequences.values()[..], [9, 8]);
 }
 
-/// A table of the columns, for the guide.
+/// A table that describes the columns, for the guide.
 fn described<R>(table: &Table<R>) -> String {
     let mut text = format!(
         "### {}\n\n{}\n\n| Column | Type | Unit | Meaning |\n|---|---|---|---|\n",

@@ -96,7 +96,7 @@ impl TimelineRow {
         })
     }
 
-    /// Queries select flags and states by name.
+    /// The sort key: queries select flags and states by name.
     pub(super) fn key(&self) -> (&str, &str) {
         (&self.name, &self.capture)
     }

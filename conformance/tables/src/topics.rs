@@ -76,7 +76,7 @@ impl TopicRow {
         })
     }
 
-    /// Queries select topics by name.
+    /// The sort key: queries select topics by name.
     pub(super) fn key(&self) -> (&str, &str) {
         (&self.topic, &self.capture)
     }

@@ -1,4 +1,4 @@
-//! The queries of the guide, in third-party engines.
+//! Runs the queries in the guide, in third-party engines.
 
 use std::path::Path;
 use std::process::Command;
@@ -54,6 +54,6 @@ fn engines_run_the_queries_of_the_guide() {
         .expect("Python");
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{errors}");
-    // Each query ran in each engine.
+    // Each query has been run in each engine.
     assert_eq!(String::from_utf8_lossy(&output.stdout).lines().count(), 11, "{errors}");
 }

@@ -81,7 +81,7 @@ fn columns_have_different_names_and_state_their_facts() {
     assert!(values.contains(":18446744073709551615"), "{values}");
 }
 
-/// True if a table has a row with this text and these marks.
+/// True if a table has a row with the expected text and the expected marks.
 fn has_note(messages: &Messages) -> bool {
     messages.batches.iter().any(|batch| {
         let column = |name: &str| batch.column_by_name(name).expect("a column").clone();

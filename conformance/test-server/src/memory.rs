@@ -1,4 +1,4 @@
-//! Networks in memory. With a simulated clock, probes over them take no real time.
+//! Networks in memory. If the clock is simulated, probes over these networks take no real time.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -15,18 +15,18 @@ type Watch = Rc<dyn Fn(&[u8]) -> Pass>;
 
 type Hears = Rc<dyn Fn(&[u8]) -> bool>;
 
-/// A network that passes requests and messages to functions.
+/// A network that passes requests and messages to functions, which decide whether they arrive.
 pub struct Watched<N> {
     /// The network.
     pub network: N,
     /// Decides which requests are forwarded.
     pub watch: Watch,
-    /// True for messages from the server that arrive.
+    /// Returns true for messages from the server that arrive.
     pub hears: Hears,
 }
 
 impl<N> Watched<N> {
-    /// Watches what clients send.
+    /// Watches the requests that clients send.
     pub fn new(network: N, watch: impl Fn(&[u8]) -> Pass + 'static) -> Self {
         Self { network, watch: Rc::new(watch), hears: Rc::new(|_| true) }
     }
@@ -69,34 +69,34 @@ impl Client for WatchedClient {
     }
 }
 
-/// An event at a client of a scripted server.
+/// An event that the client of a scripted server receives.
 #[derive(Clone, Debug)]
 enum Event {
     Bytes(Vec<u8>),
-    /// The system reports that no server received a datagram.
+    /// The operating system's report that a datagram reached no server.
     Refused,
     End,
 }
 
-/// The side of a connection on which a script writes.
+/// The server's end of a connection, to which a script writes.
 pub struct Line {
     clock: Clock,
     /// The number of the connection, from 0.
     pub number: usize,
-    /// The time after which the server ends the idle connection.
+    /// The time after which the server closes the connection if it is idle.
     pub idle_limit: Option<Duration>,
-    /// The start of a line from the client.
+    /// The start of an incomplete line from the client.
     partial: Vec<u8>,
     /// The time of the latest segment.
     active_at: Instant,
     queues: Queues,
 }
 
-/// The events of all open connections, each with its time, by the number of the connection.
+/// The pending events of all open connections, by connection number. Each event has a time.
 type Queues = Rc<RefCell<BTreeMap<usize, Vec<(Instant, Event)>>>>;
 
 impl Line {
-    /// The lines that a segment ends.
+    /// The lines that are complete after a segment.
     pub fn lines(&mut self, segment: &[u8]) -> Vec<u8> {
         self.partial.extend(segment);
         let end = self.partial.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
@@ -108,17 +108,17 @@ impl Line {
         self.send_after(Duration::ZERO, bytes);
     }
 
-    /// Sends bytes after a delay that follows everything sent before.
+    /// Sends bytes after a delay, which starts when everything sent before has arrived.
     pub fn send_after(&self, delay: Duration, bytes: impl AsRef<[u8]>) {
         self.push(self.number, delay, Event::Bytes(bytes.as_ref().to_vec()));
     }
 
-    /// Lets the client know that no server receives its datagrams.
+    /// Reports to the client that no server receives its datagrams.
     pub fn refuse(&self) {
         self.push(self.number, Duration::ZERO, Event::Refused);
     }
 
-    /// Ends a connection, which may be another one.
+    /// Closes the connection with this number, which may be another connection.
     pub fn end(&self, number: usize) {
         self.push(number, Duration::ZERO, Event::End);
     }
@@ -132,14 +132,14 @@ impl Line {
     }
 }
 
-/// A server that serves each client with a script: a function that takes the connection, and each segment that arrives. At
-/// the start of a connection, it takes an empty segment.
+/// A server that handles each client with a script. The script is a function that is called with the connection and
+/// each segment that arrives. When a connection starts, it is called with an empty segment.
 pub struct Scripted<S> {
     clock: Clock,
     script: Rc<S>,
     queues: Queues,
     connections: RefCell<usize>,
-    /// The number of connections that are accepted.
+    /// The maximum number of accepted connections.
     limit: usize,
 }
 
@@ -150,7 +150,7 @@ impl<S: Fn(&mut Line, &[u8])> Scripted<S> {
         Self { clock, script, queues: Rc::default(), connections: RefCell::new(0), limit: usize::MAX }
     }
 
-    /// Refuses all connections after this number.
+    /// Accepts this number of connections, and refuses all further ones.
     #[must_use]
     pub fn accepting(self, limit: usize) -> Self {
         Self { limit, ..self }
@@ -176,12 +176,12 @@ impl<S: Fn(&mut Line, &[u8]) + 'static> Network for Scripted<S> {
 struct ScriptedClient<S> {
     line: Line,
     script: Rc<S>,
-    /// The start of a line from the server.
+    /// The start of an incomplete line from the server.
     rest: Vec<u8>,
 }
 
 impl<S: Fn(&mut Line, &[u8])> ScriptedClient<S> {
-    /// The next event that is due at a time. The end of the connection remains in the queue.
+    /// Returns the next event that is due by `until`. The end of the connection stays in the queue.
     fn next(&self, until: Instant) -> Option<(Instant, Event)> {
         let idle_at = self.line.idle_limit.map(|limit| self.line.active_at + limit);
         let mut queues = self.line.queues.borrow_mut();

@@ -21,7 +21,7 @@ use uavspec_test_support::Random;
 
 use crate::server::location;
 
-/// The time limit of a read, after which the proxy serves the other direction.
+/// The time limit for a read. Afterwards, the proxy handles the other direction.
 const TURN: Duration = Duration::from_millis(2);
 
 /// The prefix of redirected paths on the same host. The proxy removes it before it forwards a request.
@@ -38,26 +38,26 @@ pub enum Pass {
     Cut,
 }
 
-/// Sees all bytes from clients before they are forwarded. It may block.
+/// Receives all bytes from clients before they are forwarded, and decides what to do with them. May block.
 pub type Watch = Arc<dyn Fn(&[u8]) -> Pass + Send + Sync>;
 
 /// Options of a proxy. The default forwards everything unchanged.
 #[derive(Clone, Default)]
 pub struct Proxy {
-    /// The delay from the client to the server, and from the server to the client.
+    /// The delay from the client to the server, and the delay in the opposite direction.
     pub delays: [Duration; 2],
-    /// The clock of the delays. Another thread must advance simulated time.
+    /// The clock for the delays. If it is simulated, another thread must advance it.
     pub clock: Clock,
-    /// The percentage of dropped UDP datagrams, in each direction. Each run drops the same datagrams.
+    /// The percentage of UDP datagrams that are dropped in each direction. Each run drops the same datagrams.
     pub loss: u64,
-    /// HTTP: redirects each request with this status to a prefix, which the path and the query follow. The prefix is
-    /// [`MOVED`] or the URL of another host.
+    /// HTTP only: redirects each request with this status to this prefix, followed by the path and the query. The
+    /// prefix is [`MOVED`] or the URL of another host.
     pub redirect: Option<(&'static str, String)>,
-    /// HTTP: the base64 form of the required `NAME:PASSWORD`.
+    /// HTTP only: the required `NAME:PASSWORD`, in base64.
     pub login: Option<&'static str>,
-    /// HTTP: answers each request with this status and this body.
+    /// HTTP only: answers each request with this status and this body.
     pub answer: Option<(&'static str, &'static str)>,
-    /// Accepts only TLS connections. The connection to the server has no TLS.
+    /// If set, accepts only TLS connections. The connection to the server doesn't use TLS.
     pub tls: Option<Arc<ServerConfig>>,
     /// Decides which bytes from clients are forwarded.
     pub watch: Option<Watch>,
@@ -133,7 +133,7 @@ impl Proxy {
                 self.forward(StreamOwned::new(connection, client), &server)
             }
         };
-        // The other side may have closed the connection already.
+        // The other side may already have closed the connection.
         let _ = (server.shutdown(Shutdown::Both), closer.shutdown(Shutdown::Both));
         result
     }
@@ -195,7 +195,8 @@ impl Proxy {
         self.redirect.is_some() || self.login.is_some() || self.answer.is_some()
     }
 
-    /// The head of a request as forwarded to the server, or the answer to it.
+    /// The head of a request in the form in which it is forwarded to the server. The error is the answer to a request
+    /// that isn't forwarded.
     fn check(&self, head: &str) -> Result<String, String> {
         if let Some((status, body)) = self.answer {
             return Err(answer(status, "", body));
@@ -224,12 +225,12 @@ fn answer(status: &str, headers: &str, body: &str) -> String {
 #[derive(Default)]
 struct Requests {
     head: Vec<u8>,
-    /// The number of bytes that follow the last head.
+    /// The number of remaining bytes in the body of the current request.
     body: usize,
 }
 
 impl Requests {
-    /// The bytes to forward, or the answer to a request that isn't forwarded.
+    /// The bytes to forward. The error is the answer to a request that isn't forwarded.
     fn take(&mut self, proxy: &Proxy, mut bytes: &[u8]) -> Result<Vec<u8>, String> {
         let mut forwarded = Vec::new();
         loop {
@@ -258,7 +259,7 @@ impl Requests {
     }
 }
 
-/// Bytes that are forwarded after a delay.
+/// Bytes that will be forwarded after a delay.
 struct Delayed {
     waiting: VecDeque<(Instant, Vec<u8>)>,
     delay: Duration,
@@ -280,7 +281,7 @@ impl Delayed {
     }
 }
 
-/// `None` if nothing arrived in time.
+/// Converts a timeout and a refused datagram to `None`.
 fn quiet<T>(read: io::Result<T>) -> io::Result<Option<T>> {
     match read {
         Ok(value) => Ok(Some(value)),
@@ -291,12 +292,13 @@ fn quiet<T>(read: io::Result<T>) -> io::Result<Option<T>> {
     }
 }
 
-/// The certificate of an authority in PEM form, and the configuration of a server with a certificate for these names.
+/// Creates a certificate authority. Returns its certificate in PEM form, and the configuration of a server that has a
+/// certificate for these names.
 pub fn certified(names: &[&str]) -> (String, Arc<ServerConfig>) {
     certified_with(names, |_| {})
 }
 
-/// Like [`certified`], with changed parameters of the server's certificate.
+/// Like [`certified`], but changes the parameters of the server's certificate.
 pub fn certified_with(
     names: &[&str],
     change: impl FnOnce(&mut CertificateParams),

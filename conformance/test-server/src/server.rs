@@ -7,7 +7,7 @@ use std::thread;
 use serde_json::{Value, json};
 use uavspec_serve::{Options, Server, Transport};
 
-/// Any free port of this computer.
+/// An address on this computer with any free port.
 pub fn location() -> SocketAddr {
     ([127, 0, 0, 1], 0).into()
 }
@@ -19,7 +19,7 @@ pub fn serve(options: Options, transport: Transport) -> (Server, SocketAddr) {
     (server, address)
 }
 
-/// A server that serves each client with a function.
+/// Starts a server that handles each client with a function. Returns its address.
 pub fn custom_server(serve: impl Fn(TcpStream) + Send + 'static) -> SocketAddr {
     let listener = TcpListener::bind(location()).expect("a port");
     let address = listener.local_addr().expect("an address");
@@ -27,7 +27,8 @@ pub fn custom_server(serve: impl Fn(TcpStream) + Send + 'static) -> SocketAddr {
     address
 }
 
-/// Answers each request with the body that a function returns for its type, if any.
+/// Answers each request with the body that `body` returns for its type. If it returns `None`, the request isn't
+/// answered.
 pub fn answer_requests(mut stream: TcpStream, body: impl Fn(&str, &Value) -> Option<Value>) {
     let reader = BufReader::new(stream.try_clone().expect("a second handle"));
     for line in reader.lines().map_while(Result::ok) {

@@ -1,4 +1,4 @@
-//! Shared helpers of tests: the corpus, and a writer of logs.
+//! Shared test helpers: the corpus, and a writer of logs.
 
 #![allow(clippy::missing_panics_doc, reason = "a panic is the failure of a test")]
 
@@ -14,8 +14,9 @@ use std::{env, fs};
 use uavspec_model::clock::Clock;
 pub use uavspec_test_definitions::{extent, shared, xz};
 
-/// Cargo, as from a shell. Tests run with variables that describe this package. Build scripts that read these
-/// variables, such as ring's, would run again, and all dependents of ring would be recompiled.
+/// A Cargo command with an environment like that of a shell. During tests, the environment contains variables that
+/// describe this package. They would cause build scripts that read them, such as ring's, to run again, so that all
+/// dependents of ring would be recompiled.
 pub fn cargo() -> Command {
     let mut command = Command::new(env!("CARGO"));
     for (name, _) in env::vars_os() {
@@ -35,28 +36,30 @@ pub fn send_signal(process: u32, signal: nix::sys::signal::Signal) {
     nix::sys::signal::kill(process, signal).expect("the process runs");
 }
 
-/// The time limit for an event that certainly happens, even on a slow computer. It ends tests that would hang.
+/// The time limit for an event that is certain to happen, even on a slow computer. It ends tests that would hang
+/// otherwise.
 pub const LIMIT: Duration = Duration::from_secs(600);
 
-/// The end of the time limit for an event.
+/// The deadline for an event that is certain to happen.
 pub fn deadline() -> Instant {
     Clock::real().now() + LIMIT
 }
 
-/// Waits until a function returns a value.
+/// Waits until `check` returns a value. Panics at the time limit.
 pub fn wait_for<T>(event: &str, check: impl FnMut() -> Option<T>) -> T {
     let found = Clock::real().poll(deadline(), Duration::from_millis(5), check);
     found.unwrap_or_else(|| panic!("{event}: this doesn't happen"))
 }
 
-/// Writes a file in a folder, and creates the folders of its path.
+/// Writes a file to a folder. Creates the folders in its path.
 pub fn write(folder: &Path, path: &str, text: impl AsRef<[u8]>) {
     let path = folder.join(path);
     fs::create_dir_all(path.parent().expect("a parent")).expect("a folder");
     fs::write(path, text).expect("a file");
 }
 
-/// The files that a chapter of the guide shows: each is a line with a path in backticks, followed by a fenced block.
+/// The files in a chapter of the guide. For each file, the chapter contains a line with its path in backticks, followed
+/// by a fenced block.
 pub fn files_of_guide(chapter: &str) -> Vec<(String, String)> {
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../xtask/site/guide").join(chapter);
     let page = fs::read_to_string(page).expect("the chapter");
@@ -110,7 +113,7 @@ impl Writer {
         offset
     }
 
-    /// Writes the flag bits.
+    /// Writes the flag bits message.
     pub fn flag_bits(&mut self, incompatible: [u8; 8], appended: [u64; 3], more: usize) -> u64 {
         let appended: Vec<u8> = appended.iter().flat_map(|offset| offset.to_le_bytes()).collect();
         self.message(b'B', &[&[0; 8], &incompatible, &appended, &vec![0; more]])
@@ -158,8 +161,8 @@ impl Writer {
     }
 }
 
-/// A log with all kinds of messages that PX4 writes: definitions, followed by data of three topics with text messages
-/// in between.
+/// A log with all kinds of messages that PX4 writes: first definitions, then data of three topics with text messages in
+/// between.
 pub fn typical(rounds: u64) -> Vec<u8> {
     write_log(rounds, |_| String::new())
 }
@@ -173,7 +176,7 @@ pub fn padded(rounds: u64) -> Vec<u8> {
     })
 }
 
-/// Writes a log. `padding` is the end of a format whose array has this length.
+/// Writes a log. `padding` returns the end of a format whose array has this length.
 fn write_log(rounds: u64, padding: impl Fn(u8) -> String) -> Vec<u8> {
     let mut log = Writer::with_flags();
     log.entry(b'I', &[], "char[3] sys_name", b"PX4");
@@ -208,7 +211,7 @@ fn write_log(rounds: u64, padding: impl Fn(u8) -> String) -> Vec<u8> {
     log.bytes
 }
 
-/// Writes the definitions of the topics of [`padded`] to the folder `msg`.
+/// Writes the definitions of the topics in [`padded`] logs to the folder `msg`.
 pub fn write_typical_definitions(folder: &Path) {
     let folder = folder.join("msg");
     std::fs::create_dir_all(&folder).expect("a folder");
@@ -222,7 +225,7 @@ pub fn write_typical_definitions(folder: &Path) {
     }
 }
 
-/// The words of a text that may be wrapped, with single spaces.
+/// The words of a text, separated by single spaces. The text may be wrapped.
 pub fn words(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
@@ -253,7 +256,7 @@ impl Random {
     }
 }
 
-/// A reader that returns the bytes in pieces. The list of piece sizes repeats; a size of 0 causes an interruption.
+/// A reader that returns the bytes in pieces. The list of sizes is used repeatedly. A size of 0 causes an interruption.
 pub struct Pieces<'b> {
     /// The remaining bytes.
     pub rest: &'b [u8],

@@ -4,8 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The path of Python in a folder of `target`, with these packages. They are installed if the folder has other
-/// packages.
+/// The path of Python in a folder of `target`, with these packages installed. Installs them if the folder contains
+/// other packages.
 pub fn python(folder: &str, packages: &[&str]) -> PathBuf {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target").join(folder);
     let (program, installed) = (folder.join("bin/python"), folder.join("requirements.txt"));
@@ -18,7 +18,7 @@ pub fn python(folder: &str, packages: &[&str]) -> PathBuf {
     program
 }
 
-/// Runs a command, which must succeed.
+/// Runs a command. Panics if it fails.
 pub fn run(command: &mut Command) {
     let status = command.status().unwrap_or_else(|error| panic!("{command:?}: {error}"));
     assert!(status.success(), "{command:?} failed: {status}");

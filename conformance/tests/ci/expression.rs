@@ -1,11 +1,11 @@
-//! The expressions of GitHub that the action and the example use: names, strings, `==`, `!=`, `&&` and `||`.
+//! The GitHub expressions that the action and the example use: names, strings, `==`, `!=`, `&&` and `||`.
 
 use std::collections::BTreeMap;
 
 /// The values of names such as `inputs.config`.
 pub(super) type Context = BTreeMap<String, String>;
 
-/// Replaces each `${{ … }}` in a text.
+/// Replaces each `${{ … }}` in a text with its value.
 pub(super) fn expanded(text: &str, context: &Context) -> String {
     let mut parts = text.split("${{");
     let mut result = parts.next().unwrap_or_default().to_owned();
@@ -17,7 +17,7 @@ pub(super) fn expanded(text: &str, context: &Context) -> String {
     result
 }
 
-/// The value of an expression. A comparison is `true` or empty.
+/// The value of an expression. The value of a comparison is `true` or empty.
 pub(super) fn value(expression: &str, context: &Context) -> String {
     let expression = expression.trim();
     if let Some((left, right)) = expression.split_once("||") {

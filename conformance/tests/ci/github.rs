@@ -17,7 +17,7 @@ use super::{MESSAGE, Project, capture, example, members, path_with_uavspec, repo
 const UPLOAD_INPUTS: [&str; 8] =
     ["sarif_file", "checkout_path", "ref", "sha", "token", "matrix", "category", "wait-for-processing"];
 
-/// A replacement of Cargo for the build step: it checks the current folder, and copies the program of this build.
+/// A replacement for Cargo in the build step. It checks the current folder, and copies the program of this build.
 const CARGO: &str = r#"#!/bin/sh
 grep -q conformance Cargo.toml || exit 1
 while [ $# -gt 0 ]; do
@@ -34,7 +34,7 @@ struct Run {
     failed: bool,
     log: String,
     summary: String,
-    /// The path given to the upload, if there was one.
+    /// The path that was uploaded, if there was an upload.
     uploaded: Option<PathBuf>,
     /// Keeps the reports.
     _temporary: Option<TempDir>,
@@ -52,7 +52,7 @@ impl Run {
     }
 }
 
-/// Runs the action with inputs, as GitHub does.
+/// Runs the action with these inputs, in the same way as GitHub.
 fn run(project: &Project, inputs: &[(&str, &str)]) -> Run {
     let folder = repository().join("conformance/ci/github");
     let action = yaml(&fs::read_to_string(folder.join("action.yml")).expect("the action"));
@@ -151,7 +151,7 @@ fn results(report: &Value, project: &Project) -> BTreeSet<(String, String)> {
     run["results"].as_array().expect("results").iter().map(result).collect()
 }
 
-/// The inputs of the action in the example of the guide.
+/// The inputs that the guide's example passes to the action.
 fn inputs_of_example(project: &Project) -> Vec<(String, String)> {
     let workflow = yaml(&example(".github/workflows/interfaces.yml"));
     assert_eq!(workflow["permissions"]["security-events"], "write", "the upload requires the permission");

@@ -21,7 +21,8 @@ struct Job {
     junit: Junit,
 }
 
-/// The configuration of the example, with the included file. The including file overrides the variables.
+/// The configuration of the example, combined with the file that it includes. Variables in the including file take
+/// precedence.
 fn pipeline() -> (Value, BTreeMap<String, String>) {
     let own = yaml(&example(".gitlab-ci.yml"));
     assert_eq!(own["include"][0]["local"], "ci/uavspec.yml");
@@ -47,7 +48,7 @@ fn run(project: &Project, changes: &[(&str, &str)]) -> BTreeMap<String, Job> {
     };
     let applies = |job: &Value| {
         let rules = job["rules"].as_array();
-        // GitLab adds jobs without rules only to pipelines for branches and tags.
+        // GitLab adds jobs that have no rules only to pipelines for branches and tags.
         rules.map_or(!is_set(MERGE_REQUEST), |rules| rules.iter().any(matches))
     };
     let jobs = members(&template).filter(|(_, job)| job.get("script").is_some() && applies(job));
@@ -78,7 +79,7 @@ fn run_job(project: &Project, job: &Value, variables: &BTreeMap<String, String>)
     Job { is_success: output.status.success(), log, issues, junit }
 }
 
-/// Checks the members that GitLab requires.
+/// Checks the members that GitLab requires in each issue.
 fn check_issues(issues: &[Value], project: &Project) {
     let mut fingerprints = BTreeSet::new();
     for issue in issues {

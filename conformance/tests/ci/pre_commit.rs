@@ -17,10 +17,10 @@ fn program() -> PathBuf {
     python("pre-commit", &[VERSION]).with_file_name("pre-commit")
 }
 
-/// A package without a program, which pre-commit installs instead of compiling uavspec.
+/// A package without a program. pre-commit installs it instead of compiling uavspec.
 const PACKAGE: &str = "[project]\nname = \"stub\"\nversion = \"0\"\n";
 
-/// A repository with the hooks of this repository. Returns its revision.
+/// Creates a repository with the hooks of this repository. Returns the revision of the new repository.
 fn hooks(folder: &Path) -> String {
     fs::create_dir(folder).expect("a folder");
     let own = repository().join(".pre-commit-hooks.yaml");
@@ -58,7 +58,7 @@ fn the_hooks_format_and_check_changed_definitions() {
     let read = |path: &str| fs::read_to_string(folder.join(path)).expect("a file");
 
     assert!(run(&["--all-files"]).0, "there are no findings yet");
-    // A file that is in no package.
+    // A file that belongs to no package.
     write(folder, "other/Odd.msg", "uint8   odd\n");
     commit(folder);
     let formatted = read("msg/Wind.msg");
@@ -70,7 +70,7 @@ fn the_hooks_format_and_check_changed_definitions() {
     let (is_success, log) = run(&["--all-files"]);
     assert!(is_success, "{log}");
 
-    // The message refers to another one, which is not passed to the hook.
+    // The message contains another one that isn't passed to the hook.
     write(folder, "msg/Gust.msg", GUST);
     let (is_success, log) = run(&[]);
     assert!(!is_success && log.contains("unit-missing") && !log.contains("unknown-type"), "{log}");

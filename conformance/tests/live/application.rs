@@ -1,4 +1,4 @@
-//! The comparison of an application with a flight controller that uses Cyclone DDS.
+//! Compares an application with a flight controller that uses Cyclone DDS.
 
 use super::dds::CYCLONE;
 use super::probe::Probed;
@@ -6,8 +6,8 @@ use super::python::Peer;
 
 const FIELDS: [&str; 3] = ["uint64 timestamp", "uint8 request_id", "uint32 valid_registrations_mask"];
 
-/// Compares an application with a flight controller whose `ArmingCheckRequest` has these fields. On a busy machine, the
-/// flight controller takes long to start.
+/// Compares an application with a flight controller whose `ArmingCheckRequest` has these fields. Allows for the long
+/// time that the flight controller takes to start on a busy machine.
 fn compare(domain: &str, fields: &[&str], application: &str) -> Probed {
     let arguments = [&[domain], fields].concat();
     let _peer = Peer::start("dds_formats.py", &arguments, &[("CYCLONEDDS_URI", CYCLONE)]);
@@ -36,5 +36,8 @@ fn definitions_of_no_release_are_compared() {
     let probed = compare("94", &FIELDS[..1], "px4@1.18");
     assert_eq!(probed.verdict("PX-HASH-02"), "fail");
     let message = &probed.vehicle()["findings"][0]["examples"][0]["message"];
-    assert!(message.to_string().contains("the vehicle has a definition of no known release"), "{message}");
+    assert!(
+        message.to_string().contains("the vehicle uses a definition that matches no known release"),
+        "{message}"
+    );
 }

@@ -1,4 +1,4 @@
-//! DDS domains, with peers that use Cyclone DDS. Each test has its own domain on the loopback interface.
+//! Tests of DDS domains, with peers that use Cyclone DDS. Each test has a separate domain on the loopback interface.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -8,7 +8,7 @@ use tempfile::TempDir;
 use super::probe::Probed;
 use super::python::Peer;
 
-/// Cyclone DDS without multicast, on the loopback interface only.
+/// A configuration of Cyclone DDS that uses only the loopback interface, without multicast.
 pub(crate) const CYCLONE: &str = r#"<CycloneDDS><Domain>
     <General>
         <Interfaces><NetworkInterface address="127.0.0.1"/></Interfaces>
@@ -35,12 +35,12 @@ fn probe(domain: &str, seconds: u32) -> Probed {
     Probed::with(&format!("dds://{domain}"), seconds, &["--peer", "127.0.0.1"])
 }
 
-/// Probes a domain until messages arrive. On a busy machine, the peers take long to start.
+/// Probes a domain until messages arrive, because the peers take long to start on a busy machine.
 fn probe_messages(domain: &str, seconds: u32) -> Probed {
     probe_until(domain, seconds, |probed| probed.messages() > 0)
 }
 
-/// Probes a domain until messages arrive, and a publisher and a subscriber are compared.
+/// Probes a domain until messages arrive, and a publisher has been compared with a subscriber.
 fn probe_pair(domain: &str, seconds: u32) -> Probed {
     probe_until(domain, seconds, |probed| probed.messages() > 0 && probed.covered("PX-QOS-01") > 0)
 }
@@ -160,7 +160,7 @@ fn fast_dds_is_a_peer() {
     let _peer = Peer::run(Command::new(program).arg("69"));
     let probed = probe_messages("69", 8);
     assert_eq!(probed.findings(), []);
-    // The peer receives the messages of a role, and answers.
+    // The peer receives the messages of a role, and answers them.
     let probed = Probed::with("dds://69", 8, &["--peer", "127.0.0.1", "--as", "component"]);
     assert_eq!((probed.findings(), probed.texts("notes")), (vec![], "[]".to_owned()));
     assert!(probed.covered("PX-EXT-01") > 10, "{}", probed.vehicle());

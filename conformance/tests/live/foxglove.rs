@@ -1,4 +1,4 @@
-//! Foxglove servers: the SDK of Foxglove, and a server that violates the protocol.
+//! Tests of Foxglove servers: the server of the Foxglove SDK, and a server that violates the protocol.
 
 use std::net::{TcpListener, TcpStream};
 use std::path::Path;
@@ -14,7 +14,7 @@ use uavspec_model::Qos;
 use super::probe::Probed;
 use super::python::Peer;
 
-/// Starts the SDK's server. Returns it with its address when it accepts connections.
+/// Starts the SDK's server, and waits until it accepts connections. Returns the server and its address.
 fn sdk() -> (Peer, String) {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
     let port = listener.local_addr().expect("an address").port();
@@ -63,7 +63,7 @@ fn the_sdk_receives_published_messages() {
     bus.subscribe(&topic("/echo", "px4_msgs/msg/ArmingCheckRequest"), &Qos::WEAKEST).expect("subscribe");
     let reply = topic("/fmu/in/arming_check_reply", "px4_msgs/msg/ArmingCheckReply");
     let publisher = bus.advertise(&reply, &Qos::PX4).expect("advertise");
-    // The server doesn't store messages, and the subscription may be pending.
+    // The server doesn't store messages, and the subscription may not be active yet.
     let end = Instant::now() + Duration::from_secs(600);
     while Instant::now() < end {
         bus.publish(publisher, b"\0\x01\0\0reply").expect("publish");

@@ -21,7 +21,7 @@ impl Probed {
         Self::with(address, seconds, &[])
     }
 
-    /// Probes a vehicle with further arguments.
+    /// Probes a vehicle, with additional arguments.
     pub(crate) fn with(address: &str, seconds: u32, arguments: &[&str]) -> Self {
         let folder = TempDir::new().expect("a folder");
         let report = folder.path().join("report.json");
@@ -37,7 +37,7 @@ impl Probed {
         Self { status: output.status.code(), report: serde_json::from_slice(&text).expect("JSON") }
     }
 
-    /// The vehicle in the report.
+    /// The part of the report about the vehicle.
     pub(crate) fn vehicle(&self) -> &Value {
         &self.report["subjects"][0]
     }
@@ -71,7 +71,7 @@ impl Probed {
         self.vehicle()[list].to_string()
     }
 
-    /// The member of the report about a topic.
+    /// The part of the report about a topic.
     pub(crate) fn topic(&self, name: &str) -> &Value {
         let channels = self.vehicle()["channels"].as_array().expect("channels");
         channels

@@ -1,4 +1,4 @@
-//! Peers in Python, and the probe.
+//! Peers that are written in Python, and the probe.
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 /// The packages of the peers.
 const REQUIREMENTS: &str = include_str!("requirements.txt");
 
-/// Python with the packages of the peers. The folder also contains a peer in Rust.
+/// A Python installation with the packages of the peers. The folder also contains a peer written in Rust.
 fn python() -> &'static Path {
     static PYTHON: OnceLock<PathBuf> = OnceLock::new();
     PYTHON.get_or_init(|| {
@@ -15,7 +15,7 @@ fn python() -> &'static Path {
     })
 }
 
-/// A peer, which ends when it is dropped.
+/// A running peer. Dropping it ends the peer.
 pub(crate) struct Peer(Child);
 
 impl Peer {

@@ -1,5 +1,5 @@
-//! Roles in arming checks over DDS, between the reference and the probe. Each test has its own domain on the loopback
-//! interface.
+//! Tests of roles in arming checks over DDS, with the reference and the probe as participants. Each test has a separate
+//! domain on the loopback interface.
 
 use std::fs;
 use std::process::{Child, Command, Stdio};
@@ -26,8 +26,8 @@ impl Drop for Reference {
     }
 }
 
-/// Probes a domain. Returns the violated rules, the covered rules on arming checks, and the notes. Also checks the
-/// recording, in which the same rules are violated.
+/// Probes a domain. Returns the violated rules, the number of covered rules on arming checks, and the notes. Also
+/// asserts that the same rules are violated in the recording.
 fn probe(domain: &str, arguments: &[&str]) -> (Vec<String>, usize, Value) {
     let folder = TempDir::new().expect("a folder");
     let [report, checked, bag] =

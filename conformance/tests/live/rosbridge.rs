@@ -1,4 +1,4 @@
-//! A rosbridge server. No other implementation runs without ROS, so the server is part of the test.
+//! Tests with a rosbridge server. No other implementation runs without ROS, so the server is part of the test.
 
 use std::net::TcpListener;
 use std::thread::{self, JoinHandle};
@@ -11,7 +11,7 @@ use super::probe::Probed;
 
 const TOPIC: &str = "/fmu/out/arming_check_request";
 
-/// Starts a server with one topic, which it sends after the client has subscribed to it.
+/// Starts a server with one topic. The server sends messages once the client has subscribed to the topic.
 fn serve(has_rosapi: bool) -> (JoinHandle<()>, String) {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
     let address = format!("rosbridge://{}", listener.local_addr().expect("an address"));
@@ -57,7 +57,7 @@ fn topics(request: &Value, has_rosapi: bool) -> Value {
     json!({ "op": "service_response", "id": id, "service": service, "values": values, "result": has_rosapi })
 }
 
-/// A message that conforms, except for the type of a field of each tenth message.
+/// A message that conforms, except that every tenth message has a field of the wrong type.
 fn request_of(number: u64) -> Value {
     let id = if number.is_multiple_of(10) { json!("text") } else { json!(number % 256) };
     json!({ "timestamp": 1_000_000 + 50_000 * number, "request_id": id, "valid_registrations_mask": 0 })

@@ -1,4 +1,4 @@
-//! The self-test of the PX4 references over DDS. The pairs of participants are distributed among several domains on the
+//! The self-test of the PX4 references over DDS. The pairs of participants are distributed over several domains on the
 //! loopback interface.
 
 use std::process::{Command, Output, Stdio};

@@ -1,4 +1,5 @@
-//! A Zenoh router in Python, which declares tokens and publishes like `rmw_zenoh`, and a ROS 2 node with hiroz.
+//! Tests with a Zenoh router in Python, which declares tokens and publishes like `rmw_zenoh`, and with a ROS 2 node
+//! that uses hiroz.
 
 use std::net::{TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
@@ -17,7 +18,7 @@ use super::python::Peer;
 /// The time to listen, in seconds.
 const TIME: u32 = 5;
 
-/// The probe of the router, which all tests of the router share.
+/// A probe of the router. The tests of the router share it.
 static PROBED: LazyLock<Probed> = LazyLock::new(|| {
     let definitions = Definitions::built_in();
     let request = definitions.message_of_type("px4/ArmingCheckRequest").expect("defined");
@@ -25,7 +26,7 @@ static PROBED: LazyLock<Probed> = LazyLock::new(|| {
     Probed::new(&format!("zenoh://127.0.0.1:{port}"), TIME)
 });
 
-/// Starts a router. Returns it with its port when it accepts connections.
+/// Starts a router, and waits until it accepts connections. Returns the router and its port.
 fn router(arguments: &[&str]) -> (Peer, u16) {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
     let port = listener.local_addr().expect("an address").port();
@@ -67,7 +68,7 @@ fn types_without_hashes_are_received() {
 #[test]
 fn only_differences_that_matter_are_found() {
     assert_eq!(PROBED.verdict("PX-TYPE-01"), "fail");
-    // rmw_zenoh connects a reliable subscriber to a best effort publisher.
+    // In rmw_zenoh, a reliable subscriber also receives messages from a best-effort publisher.
     assert_eq!(PROBED.verdict("PX-QOS-01"), "not covered");
 }
 
@@ -83,7 +84,7 @@ fn losses_and_unreadable_tokens_are_reported() {
     assert!(text.contains("2 messages of /fmu/out/gaps were lost"), "{text}");
 }
 
-/// A ROS 2 node with hiroz that takes part in arming checks as the flight controller, and its router.
+/// A ROS 2 node that uses hiroz and takes part in arming checks as the flight controller, with its router.
 struct Hiroz {
     _peers: [Peer; 2],
     address: String,
@@ -100,7 +101,7 @@ impl Hiroz {
         Self { _peers: peers, address: format!("zenoh://127.0.0.1:{port}"), output }
     }
 
-    /// Probes until messages arrive. On a busy machine, the node takes long to start.
+    /// Probes until messages arrive, because the node takes long to start on a busy machine.
     fn probe(&self, arguments: &[&str]) -> Probed {
         let mut attempts = (0..5).map(|_| Probed::with(&self.address, TIME, arguments));
         attempts.find(|probed| probed.vehicle()["records"].as_u64() > Some(10)).expect("messages of the node")
@@ -125,7 +126,7 @@ fn hiroz() -> PathBuf {
     target.join("debug/uavspec-hiroz-peer")
 }
 
-/// hiroz computes the type hash and encodes messages with its own code.
+/// hiroz has independent code that computes type hashes and encodes messages.
 #[test]
 fn a_node_with_hiroz_is_discovered_and_checked() {
     let probed = Hiroz::start().probe(&[]);

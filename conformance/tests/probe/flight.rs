@@ -1,5 +1,5 @@
-//! Probes that are interrupted while UAVs obey their commands. A proxy records all requests and interrupts the probe at
-//! a certain request, so no test depends on speed.
+//! Tests of probes that are interrupted while UAVs obey their commands. A proxy records all requests, and interrupts
+//! the probe at a specific request, so no test depends on speed.
 
 use std::path::Path;
 use std::process::{Child, Stdio};
@@ -16,15 +16,15 @@ use super::*;
 
 pub(super) const UAV: &str = "glider-2";
 
-/// The time limit of events that certainly happen.
+/// The time limit for events that are certain to happen.
 const PATIENCE: Duration = Duration::from_secs(600);
 
-/// The error codes of a UAV on the ground, with running motors, and asleep.
+/// The error codes of a UAV that is on the ground, has running motors, or is asleep.
 pub(super) const GROUND: u64 = 1;
 pub(super) const MOTORS: u64 = 8;
 pub(super) const SLEEP: u64 = 9;
 
-/// A signal of one thread to another.
+/// A flag that one thread sets and another thread waits for.
 #[derive(Clone, Default)]
 struct Flag(Arc<(Mutex<bool>, Condvar)>);
 
@@ -68,7 +68,7 @@ impl Requests {
         self.all().iter().filter_map(|body| body["type"].as_str().map(str::to_owned)).collect()
     }
 
-    /// The types after the first request of this type.
+    /// The types of the requests after the first request of this type.
     pub(super) fn after(&self, type_name: &str) -> Vec<String> {
         let types = self.types();
         let first = types.iter().position(|name| name == type_name).expect(type_name);
@@ -76,7 +76,7 @@ impl Requests {
     }
 }
 
-/// A proxy that records all requests, and calls a function at each request.
+/// Options for a proxy that records all requests, and calls a function for each request.
 fn recording(requests: &Requests, at: impl Fn(&str) -> Pass + Send + Sync + 'static) -> Watch {
     let requests = requests.clone();
     Arc::new(move |bytes| {
@@ -105,20 +105,20 @@ pub(super) fn state(server: &Server) -> (i64, Vec<u64>) {
     }
 }
 
-/// Fails unless the UAV is on the ground with stopped motors, and awake.
+/// Asserts that the UAV is awake and on the ground, and that its motors are stopped.
 pub(super) fn assert_safe(server: &Server, context: &str) {
     let (height, codes) = state(server);
     assert_eq!((height, codes.contains(&GROUND)), (0, true), "{context}: {codes:?}");
     assert!(!codes.contains(&MOTORS) && !codes.contains(&SLEEP), "{context}: {codes:?}");
 }
 
-/// A probe in a child process.
+/// A probe that runs in a child process.
 struct Running {
     child: Child,
-    /// Standard error, as it is printed.
+    /// The standard error output so far.
     errors: Arc<Mutex<String>>,
     reader: thread::JoinHandle<()>,
-    /// Raised when the first interrupt was noticed.
+    /// Set when the probe has noticed the first interrupt.
     noticed: Flag,
 }
 
@@ -153,7 +153,7 @@ impl Running {
         Self { child, errors, reader, noticed }
     }
 
-    /// Returns the exit status, standard output and standard error.
+    /// Waits for the end. Returns the exit status, standard output and standard error.
     fn wait(self) -> (Option<i32>, String, String) {
         let output = self.child.wait_with_output().expect("it ends");
         self.reader.join().expect("it reads to the end");
@@ -171,7 +171,7 @@ fn call(hook: &Hook) {
     }
 }
 
-/// The options that select a flight.
+/// The options that select only a flight.
 pub(super) const FLIGHT: [&str; 12] = [
     "--only",
     "UAV-TAKEOFF",
@@ -193,8 +193,8 @@ fn outputs(folder: &Path) -> (String, String) {
     (path("run.jsonl"), path("report.json"))
 }
 
-/// Interrupts a probe at the first request of a type that follows another one. The request is forwarded after the probe
-/// was interrupted. Returns the requests.
+/// Interrupts a probe at the first request of type `point` that follows a request of type `after`. The proxy forwards
+/// the request after the interrupt. Returns the requests.
 #[cfg(unix)]
 fn interrupted_at(
     point: &'static str,
@@ -254,11 +254,11 @@ fn an_interrupted_probe_makes_uavs_safe_at_each_point() {
         SIGABRT, SIGALRM, SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGUSR1, SIGUSR2, SIGVTALRM, SIGXCPU, SIGXFSZ,
     };
     thread::scope(|scope| {
-        // Each point of interruption, with the request that must follow.
+        // Each request at which the probe is interrupted, with the request that must follow.
         for (point, after, signals, expected) in [
             ("UAV-TAKEOFF", "", &[SIGINT][..], "UAV-LAND"),
             ("UAV-INF", "UAV-TAKEOFF", &[SIGTERM], "UAV-LAND"),
-            // The other signals that end programs, which limits and timers repeat.
+            // The other signals that end programs. Limits and timers repeat them.
             ("UAV-HOVER", "", &[SIGUSR1, SIGUSR2, SIGABRT, SIGVTALRM], "UAV-LAND"),
             ("UAV-FLY", "", &[SIGALRM, SIGXCPU, SIGXFSZ, SIGXCPU], "UAV-LAND"),
             // Tools and terminals that end programs repeat their signal.
@@ -291,7 +291,7 @@ fn an_interrupted_probe_makes_uavs_safe_at_each_point() {
             assert!(types.contains(&"ASYNC-CANCEL".to_owned()), "{types:?}");
             assert!(!types.contains(&"UAV-TAKEOFF".to_owned()), "{types:?}");
         });
-        // The last request before the takeoff asks for the altitude.
+        // The last request before the takeoff is a request for the altitude.
         scope.spawn(|| {
             let types = interrupted_at("UAV-INF", "", &["--only", "UAV-TAKEOFF"], &[SIGINT]).types();
             assert!(!types.iter().any(|name| name == "UAV-TAKEOFF" || name == "UAV-LAND"), "{types:?}");
@@ -299,7 +299,7 @@ fn an_interrupted_probe_makes_uavs_safe_at_each_point() {
     });
 }
 
-/// The recording reaches the size limit of files soon, and all output goes to files.
+/// All output goes to files, and the recording soon reaches the size limit for files.
 #[cfg(unix)]
 #[test]
 fn a_size_limit_of_files_ends_no_flight() {
@@ -318,12 +318,12 @@ fn a_size_limit_of_files_ends_no_flight() {
     assert_safe(&server, &errors);
 }
 
-/// Without commands, nothing has to be undone.
+/// If no commands were sent, nothing has to be undone.
 #[cfg(unix)]
 #[test]
 fn an_interrupted_probe_without_commands_reports_what_it_has_seen() {
     use nix::sys::signal::Signal::SIGINT;
-    // A server that never answers one request.
+    // This server never answers one of the requests.
     let reached = Flag::default();
     let flag = reached.clone();
     let url = serve(move |mut stream, _| {
@@ -348,7 +348,7 @@ fn an_interrupted_probe_without_commands_reports_what_it_has_seen() {
     let report: Value = serde_json::from_str(&printed).expect("JSON");
     let reasons = report["subjects"][0]["incomplete"].to_string();
     assert!(reasons.contains("interrupted: "), "{reasons}");
-    // A response that the probe didn't wait for is not missing.
+    // A response that the probe didn't wait for doesn't count as missing.
     assert!(!printed.contains("no response to `SYS-PORTS`"), "{printed}");
     assert!(matches!(status, Some(1 | 6)), "{status:?}");
 }
@@ -378,7 +378,7 @@ fn a_second_interrupt_leaves_immediately_and_warns() {
         }
         // Limits repeat their signals.
         1..=2 => send_signal(process, SIGXCPU),
-        // Only a later signal counts: the command to land is sent again until then.
+        // Only a later signal has an effect. Until then, the command to land is sent repeatedly.
         _ => send_signal(process, SIGTERM),
     }));
     drop(held);
@@ -424,7 +424,7 @@ fn a_probe_with_commands_can_not_be_suspended() {
     assert!(requests.after("UAV-FLY").contains(&"UAV-LAND".to_owned()));
 }
 
-/// The server is gone while the UAV flies.
+/// The server disappears while the UAV is flying.
 #[test]
 fn the_last_line_names_uavs_that_may_still_fly() {
     let (server, _) = reference_server();

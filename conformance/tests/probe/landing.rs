@@ -1,5 +1,5 @@
-//! Probes in simulated time that are interrupted, run out of time, or lose their connection or a flying UAV, and
-//! servers whose answers are wrong.
+//! Tests of probes in simulated time that are interrupted, run out of time, or lose their connection or a flying UAV.
+//! Also tests of servers with wrong answers.
 
 use std::rc::Rc;
 
@@ -33,7 +33,7 @@ impl Sky {
         Self::new(uavspec_serve::Options { null_results, ..uavspec_serve::Options::default() })
     }
 
-    /// Calls a function with the type of each request.
+    /// A network to the server that calls a function with the type of each request.
     fn watched(&self, at: impl Fn(&str) -> Pass + 'static) -> Watched<InMemory> {
         let requests = self.requests.clone();
         Watched::new(self.server.clone(), move |bytes| {
@@ -42,7 +42,7 @@ impl Sky {
         })
     }
 
-    /// A short probe that flies.
+    /// Options for a short probe with a flight.
     fn options(&self) -> Options {
         let only =
             FLIGHT.iter().filter(|name| name.starts_with("UAV")).map(|name| (*name).to_owned()).collect();
@@ -50,17 +50,17 @@ impl Sky {
         Options { selection: selection.without_trials(), ..self.all_options() }
     }
 
-    /// A probe that sends all commands.
+    /// Options for a probe that sends all commands.
     fn all_options(&self) -> Options {
         Options { clock: self.clock.clone(), ..Options::new(Duration::ZERO, None, vec![UAV.to_owned()]) }
     }
 
-    /// Probes with a function that is called with the type of each request.
+    /// Runs a probe, and calls a function with the type of each request.
     fn flown(&self, at: impl Fn(&str) -> Pass + 'static, change: impl FnOnce(Options) -> Options) -> Probed {
         probed_over(&self.watched(at), &change(self.options()))
     }
 
-    /// The height of the UAV above home in mm, and its error codes. The first request is sent before.
+    /// The height of the UAV above home in mm, and its error codes. Sends the request `before` first, if there is one.
     fn state(&self, before: Option<Value>) -> (i64, Vec<u64>) {
         let mut client = self.server.connect(&ENDPOINT).expect("a connection");
         let body = json!({ "type": "UAV-INF", "ids": [UAV] });
@@ -79,7 +79,7 @@ impl Sky {
         }
     }
 
-    /// Fails unless the UAV is on the ground with stopped motors, and awake.
+    /// Asserts that the UAV is awake and on the ground, and that its motors are stopped.
     fn assert_safe(&self, context: &str) {
         let (height, codes) = self.state(None);
         let context = format!("{context}: {codes:?}, {:?}", self.requests.types());
@@ -155,7 +155,7 @@ fn lands_uavs_after_the_time_limit() {
     sky.assert_safe("after the time limit");
 }
 
-/// Panics when certain text is recorded.
+/// A writer that panics when a specific text is recorded.
 struct Panicking {
     left: Vec<&'static str>,
     tape: Shared,
@@ -189,7 +189,7 @@ fn lands_uavs_after_a_panic() {
     }
 }
 
-/// Fails when the first command was recorded, as when a file reaches its size limit.
+/// A writer that fails once the first command is recorded, as if the file had reached its size limit.
 struct Full(bool);
 
 impl std::io::Write for Full {
@@ -213,7 +213,7 @@ fn a_full_recording_ends_no_flight() {
     sky.assert_safe("without a recording");
 }
 
-/// A UAV whose altitude is unknown can't be confirmed.
+/// If the altitude of a UAV is unknown, the UAV can't be confirmed to be safe.
 #[test]
 fn a_uav_that_is_lost_in_flight_is_not_safe() {
     let losses = vec![(UAV.to_owned(), Duration::from_secs(5))];
@@ -234,7 +234,7 @@ fn null_results_neither_delay_a_landing_nor_make_a_uav_return() {
     let probed = sky.flown(|_| Pass::Forward, |options| options);
     assert_eq!((&probed.danger, &probed.cut_short), (&None, &None));
     assert_eq!(rules(&probed), BTreeSet::from(["FW-ASY-22"]));
-    // The UAV returns once, in the survey.
+    // The only request to return is part of the survey.
     assert_eq!((sky.count("UAV-RTH"), sky.count("UAV-LAND")), (1, 1), "{:?}", sky.requests.types());
     assert!(!sky.requests.after("UAV-LAND").contains(&"UAV-RTH".to_owned()));
     assert!(sky.clock.now() - began < Duration::from_secs(30));
@@ -252,7 +252,7 @@ fn null_results_of_commands_to_motors_lose_no_flight() {
     sky.assert_safe("after null results");
 }
 
-/// The answers to these requests are lost. The UAVs obey.
+/// The answers to these requests are lost, but the UAVs obey.
 #[test]
 fn a_landing_needs_no_answer() {
     for lost in [&["UAV-LAND"][..], &["UAV-TAKEOFF", "UAV-LAND"], &["UAV-RTH", "UAV-LAND"]] {
@@ -317,7 +317,7 @@ fn an_ignored_command_to_land_is_sent_again_soon_and_is_a_finding() {
     }
 }
 
-/// The number of requests of a flight without an interruption.
+/// The number of requests in a flight that isn't interrupted.
 fn number_of_requests() -> usize {
     let sky = Sky::new(uavspec_serve::Options::default());
     let probed = probed_over(&sky.watched(|_| Pass::Forward), &sky.all_options());
@@ -347,7 +347,7 @@ fn an_interrupt_at_any_request_leaves_safe_uavs_and_right_reasons() {
         assert!(stop.is_requested() && probed.cut_short.is_some_and(|why| why.starts_with("interrupted")));
         let reasons: BTreeSet<&str> =
             probed.requests.iter().filter_map(|entry| entry.not_sent.as_deref()).collect();
-        let right = ["interrupted", "needs --login", "could move UAVs that --uav doesn't name"];
+        let right = ["interrupted", "needs --login", "could move UAVs that are not given with --uav"];
         assert!(reasons.iter().all(|reason| right.contains(reason)), "{context}: {reasons:?}");
         sky.assert_safe(&context);
     }
@@ -392,7 +392,7 @@ fn waits_for_named_uavs_that_appear_late() {
     assert_eq!(sky.count("UAV-TAKEOFF"), 0);
 }
 
-/// Asks the probe to stop when a request is recorded.
+/// A writer that requests the end of the probe when a specific request is recorded.
 struct Interrupting {
     stop: Stop,
     point: &'static str,

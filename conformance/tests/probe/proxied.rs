@@ -1,4 +1,4 @@
-//! Probes of the reference server through a proxy: the server conforms, so no rule may be violated.
+//! Tests of probes of the reference server through a proxy. The server conforms, so no rule may be violated.
 
 use std::rc::Rc;
 
@@ -11,7 +11,7 @@ use uavspec_test_support::{LIMIT, Random, extent};
 
 use super::*;
 
-/// Probes the reference server through a proxy. `url` contains `ADDRESS` in place of the address.
+/// Probes the reference server through a proxy. In `url`, `ADDRESS` is replaced with the address.
 fn probed_through(proxy: Proxy, transport: Transport, url: &str, options: &Options) -> Probed {
     let (_server, address) = server::serve(uavspec_serve::Options::default(), transport);
     let probed = probed(&url.replace("ADDRESS", &proxy.start(address).to_string()), options);
@@ -19,8 +19,8 @@ fn probed_through(proxy: Proxy, transport: Transport, url: &str, options: &Optio
     probed
 }
 
-/// Probes the reference server in memory, in simulated time. `passes` is called for each message in both directions. The
-/// message is lost if it returns false.
+/// Probes the reference server in memory, in simulated time. `passes` is called for each message in both directions. If
+/// it returns false, the message is lost.
 fn probed_in_memory(url: &str, options: Options, passes: impl Fn(&Clock, &[u8]) -> bool + 'static) -> Probed {
     let clock = Clock::simulated();
     let (server, endpoint) =
@@ -37,7 +37,7 @@ fn probed_in_memory(url: &str, options: Options, passes: impl Fn(&Clock, &[u8]) 
 
 fn assert_conforms(probed: &Probed) {
     assert_eq!(probed.failure, None);
-    // The proxy's port differs from the port in SYS-PORTS, which isn't a violation.
+    // The proxy's port differs from the port in SYS-PORTS. This isn't a violation.
     let is_violation = |group: &&uavspec_model::Group| group.rule.level != Level::Info;
     let found: Vec<_> = probed.result.findings.groups().filter(is_violation).collect();
     assert!(found.is_empty(), "{found:?}");
@@ -78,7 +78,7 @@ fn probes_a_server_that_loses_datagrams() {
     assert!(unanswered.is_empty(), "{unanswered:?}");
 }
 
-/// Options for tests of a connection. Trials, which open further connections, are part of the thorough tests.
+/// Options for tests of a connection. They exclude trials, which open further connections, except in thorough tests.
 fn connection_options() -> Options {
     let selection = Selection::default();
     Options { selection: extent(selection.clone(), selection.without_trials()), ..long_options() }

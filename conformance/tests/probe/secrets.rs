@@ -1,4 +1,4 @@
-//! Servers that repeat secrets. No output of the program contains them.
+//! Tests of servers that repeat secrets. No output of the program may contain them.
 
 use std::path::Path;
 
@@ -6,12 +6,13 @@ use uavspec_test_server::server::{answer_requests, custom_server};
 
 use super::*;
 
-/// The login `pilot:hunter2!`, and a token in the query of the URL, in all forms in which a server may repeat them.
+/// The password of the login `pilot:hunter2!`, and a token in the query of the URL, in all forms in which a server may
+/// repeat them.
 const SECRETS: [&str; 4] = ["hunter2!", "cGlsb3Q6aHVudGVyMiE", "s3cr3t-token", "token="];
 const LOGIN: [&str; 2] = ["--login", "pilot:hunter2!"];
 const FORMATS: [&str; 5] = ["html", "json", "junit", "sarif", "markdown"];
 
-/// Runs the program with reports in all formats, and returns all that it prints and writes.
+/// Runs the program with reports in all formats. Returns everything that it prints and writes.
 fn outputs(command: &[&str], folder: &Path) -> String {
     let reports = FORMATS.map(|format| format!("--report={format}={format}"));
     let run = Command::new(env!("CARGO_BIN_EXE_uavspec"))
@@ -27,7 +28,7 @@ fn outputs(command: &[&str], folder: &Path) -> String {
     all
 }
 
-/// Asserts that all outputs contain a text and no secret.
+/// Asserts that the outputs contain a text, but no secret.
 fn assert_hidden(all: &str, text: &str) {
     assert!(all.contains(text), "{all}");
     for secret in SECRETS {
@@ -67,7 +68,7 @@ fn outputs_contain_no_query_that_a_server_repeats() {
             let mut head = String::new();
             let mut reader = BufReader::new(&stream);
             while !head.ends_with("\r\n\r\n") && reader.read_line(&mut head).is_ok_and(|length| length > 0) {}
-            // A server that closes the connection before it has read everything may lose its answer.
+            // If a server closes the connection before it has read all data, its answer may be lost.
             let stated = head.to_lowercase();
             let stated = stated.split("content-length: ").nth(1).and_then(|rest| rest.lines().next());
             let length = stated.and_then(|text| text.parse().ok()).unwrap_or(0);

@@ -1,15 +1,16 @@
-//! Probes of servers that stop serving, and of servers over HTTP.
+//! Tests of probes of servers that stop serving, and of servers over HTTP.
 
 use uavspec_test_support::{LIMIT, wait_for};
 
 use super::*;
 
-/// Options for a server that the system may delay. All of its answers or failures arrive, so the limits cost no time.
+/// Options with long limits, for a server that the operating system may delay. All answers or failures arrive, so the
+/// limits cost no time.
 fn patient() -> Options {
     Options { limit: LIMIT, timeout: Duration::from_secs(60), ..short_options() }
 }
 
-/// Options of a probe without a survey, which uses only these rules, trials or types.
+/// Options of a probe without a survey that uses only these rules, trials or types.
 fn selected(url: &str, only: &[&str]) -> Options {
     let endpoint: Endpoint = url.parse().expect("an endpoint");
     let only = only.iter().map(|name| (*name).to_owned()).collect();
@@ -17,7 +18,7 @@ fn selected(url: &str, only: &[&str]) -> Options {
     Options { selection, ..patient() }
 }
 
-/// A reference server with this bug, and its URL.
+/// Starts a reference server with this bug. Also returns its URL.
 fn buggy(transport: Transport, rule: &str, login: Option<(String, String)>) -> (Server, String) {
     let bug = flockwave::rule(rule);
     assert_eq!(bug.is_none(), rule.is_empty());
@@ -36,17 +37,17 @@ fn messages(probed: &Probed, rule: &str) -> Vec<String> {
 
 #[test]
 fn names_the_datagram_that_ended_the_service() {
-    // A later datagram makes the system report that no server listens.
+    // After a later datagram, the operating system reports that the port has no server.
     assert_names_datagram(&ended_by_a_datagram(Line::refuse));
 }
 
-/// A firewall may drop the system's report that no server listens.
+/// A firewall may drop the operating system's report that the port has no server.
 #[test]
 fn names_the_datagram_after_which_nothing_is_answered() {
     assert_names_datagram(&ended_by_a_datagram(|_| {}));
 }
 
-/// Probes a server that stops serving after a datagram that is not JSON. `refuse` handles each later datagram.
+/// Probes a server that stops serving after a datagram that isn't JSON. `refuse` handles all later datagrams.
 fn ended_by_a_datagram(refuse: impl Fn(&Line) + 'static) -> Probed {
     let (url, is_dead) = ("udp://memory:5001", Cell::new(false));
     let script = move |line: &mut Line, segment: &[u8]| {
@@ -65,8 +66,9 @@ fn ended_by_a_datagram(refuse: impl Fn(&Line) + 'static) -> Probed {
     compared(|tape| probe_on(&server, &endpoint, &options, &DEFINITIONS, Some(tape)))
 }
 
-/// A server that stops serving when it reads a fatal line. It serves again from the connection with this number after
-/// that. `is_fatal` takes the number of the line in its segment, and the segment from this line on.
+/// A script of a server that stops serving when it reads a fatal line. It serves again from the `restart`-th connection
+/// after that. The arguments of `is_fatal` are the number of the line in its segment, and the rest of the segment,
+/// starting with this line.
 fn mortal(restart: usize, is_fatal: impl Fn(usize, &str) -> bool) -> impl Fn(&mut Line, &[u8]) {
     let dead_connections = Cell::new(None);
     move |line, segment| {
@@ -91,7 +93,7 @@ fn mortal(restart: usize, is_fatal: impl Fn(usize, &str) -> bool) -> impl Fn(&mu
 /// The trial that sends several requests together.
 const TOGETHER: [&str; 2] = ["FW-ENV-25", "FW-ENV-27"];
 
-/// The end of a finding with the suspects of this trial if the server reads none of its requests.
+/// The end of a finding if the server reads none of the requests of this trial, so that all of them are suspects.
 const UNCLEAR: &str = "or one of the 5 messages after it";
 
 #[test]
@@ -101,7 +103,7 @@ fn sends_several_suspects_alone_to_name_the_message_that_ended_the_service() {
     assert_eq!(violations(&probed)["FW-ENV-27"], 1, "{found:?}");
     assert!(found[0].contains("(FW-ENV-25, sent alone); the service ended after `"), "{found:?}");
     assert!(found[0].contains("CONN-LIST") && !found[0].contains("or one of"), "{found:?}");
-    let again = probed.notes.iter().filter(|note| note.contains("it served again")).count();
+    let again = probed.notes.iter().filter(|note| note.contains("it resumed")).count();
     assert_eq!(again, 2, "{:?}", probed.notes);
 }
 
@@ -117,7 +119,7 @@ fn a_service_that_ends_only_once_has_several_suspects() {
     );
 }
 
-/// Nothing is sent again if the server stays away, or after an interruption.
+/// Messages aren't sent again if the server doesn't return, or after an interruption.
 #[test]
 fn suspects_stay_unclear_without_a_server_or_after_an_interruption() {
     for restart in [usize::MAX, 2] {
@@ -140,7 +142,7 @@ fn suspects_stay_unclear_without_a_server_or_after_an_interruption() {
     }
 }
 
-/// The last message of a trial may have no answer. Then the probe asks whether the server still serves.
+/// If the last message of a trial can't be answered, the probe asks whether the server still serves.
 #[test]
 fn names_a_message_without_an_answer_at_the_end_of_a_trial() {
     let is_fatal = |number: usize, rest: &str| number > 0 && rest.starts_with("not a message");
@@ -160,7 +162,7 @@ fn assert_names_datagram(probed: &Probed) {
     assert!(reason.starts_with(expected), "{reason}");
 }
 
-/// The server closes its only connection in place of an answer.
+/// Instead of answering, the server closes its only connection.
 #[test]
 fn names_the_request_that_ended_the_service() {
     let script = |line: &mut Line, segment: &[u8]| {
@@ -179,7 +181,7 @@ fn names_the_request_that_ended_the_service() {
     assert!(reason.starts_with("the server stopped serving after a request: OBJ-LIST: "), "{reason}");
 }
 
-/// No message ended the service of a server that is shut down. It accepts a last connection, and closes it.
+/// If a server is shut down, no message ended its service. The server accepts a last connection, and then closes it.
 #[test]
 fn a_server_that_is_shut_down_violates_nothing() {
     let count = Cell::new(0);
@@ -195,13 +197,13 @@ fn a_server_that_is_shut_down_violates_nothing() {
         }
     };
     let probed = simulated(short_options(), |clock| Scripted::new(clock, script).accepting(2));
-    // While it served, the server refused AUTH-INF like a request of an unknown type.
+    // While the server was serving, it refused AUTH-INF like a request of an unknown type.
     assert_eq!(trials(&probed), [("FW-ENV-24", "AUTH".to_owned(), 1)]);
     let reason = probed.cut_short.expect("a reason");
     assert!(reason.starts_with("the server stopped serving by itself"), "{reason}");
 }
 
-/// Like the protocol's reference server, the server then refuses AUTH-REQ, because the client is logged in.
+/// Like the protocol's reference server, this server then refuses AUTH-REQ, because the client is already logged in.
 #[test]
 fn http_basic_is_a_login() {
     let login = ("pilot".to_owned(), "soar".to_owned());
@@ -232,17 +234,17 @@ fn a_refused_login_has_the_reason_of_the_server() {
     assert_eq!(failure, expected);
 }
 
-/// Each HTTP request has its own response, so nothing gets lost.
+/// Each HTTP request has its own response, so no answer can be lost.
 #[test]
 fn a_missing_answer_over_http_is_a_violation() {
     let (server, url) = buggy(Transport::Http, "FW-ENV-07", None);
     let probed = probed(&url, &patient());
     drop(server);
-    // Each type that the server doesn't know has a finding.
+    // There is a finding for each type that the server doesn't know.
     let found = messages(&probed, "FW-ENV-07");
     assert!(found.iter().any(|text| text.contains("PROBE-NONE")), "{found:?}");
     assert!(found.iter().all(|text| text.contains("HTTP status 500")), "{found:?}");
-    // A malformed request whose type is unknown has no answer either.
+    // A malformed request whose type is unknown gets no answer either.
     assert_eq!(rules(&probed), BTreeSet::from(["FW-ENV-07", "FW-ENV-22"]));
 }
 
@@ -263,7 +265,7 @@ fn a_command_restarts_the_server() {
     let mark = folder.path().join("restarted");
     let on_crash = Some(format!("touch '{}'", mark.display()));
     // The server stops serving after the first text that isn't JSON. The probe then opens a connection to confirm this,
-    // and starts the command. The server accepts the next connection after the restart.
+    // and starts the command. The next connection after the restart succeeds.
     let dead_connections = Cell::new(None);
     let script = move |line: &mut Line, segment: &[u8]| {
         match dead_connections.get() {
@@ -285,7 +287,7 @@ fn a_command_restarts_the_server() {
     assert_eq!((probed.failure.as_deref(), probed.cut_short.as_deref()), (None, None), "{:?}", probed.notes);
     let found = messages(&probed, "FW-ENV-27");
     assert!(found.len() == 1 && found[0].contains("not a message"), "{found:?}");
-    assert!(probed.notes.iter().any(|note| note.contains("it served again")), "{:?}", probed.notes);
+    assert!(probed.notes.iter().any(|note| note.contains("it resumed")), "{:?}", probed.notes);
 }
 
 #[test]

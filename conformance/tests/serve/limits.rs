@@ -1,4 +1,4 @@
-//! Tests of the server's limits. Each of them is reached by one bad client, or by a few.
+//! Tests of the server's limits. One or a few bad clients can reach each limit.
 
 use std::collections::BTreeSet;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
@@ -14,10 +14,10 @@ use uavspec_test_support::{LIMIT, deadline, wait_for};
 
 use super::{ENDPOINTS, READING_TIME, address, client, request, request_body, serve, settle, until};
 
-/// The reason for which idle clients are disconnected.
+/// The reason that the server states when it disconnects idle clients.
 const REPLACED: &str = "the server is full, and this client was idle";
 
-/// A server whose time stands still, so that no time limit depends on how fast the computer is.
+/// Starts a server whose time stands still, so that no time limit depends on the speed of the computer.
 fn frozen(options: Options) -> Server {
     serve(Options { rate: 0.0, clock: Clock::simulated(), ..options })
 }
@@ -38,7 +38,7 @@ fn stops_reading_requests_of_clients_that_read_no_answers() {
     idle.set_nonblocking(true).expect("a socket");
     let ids: Vec<String> = (1..=100).map(|number| format!("glider-{number}")).collect();
     let text = (request("a", &json!({ "type": "UAV-INF", "ids": ids })) + "\n").repeat(100);
-    // Before the limits, the server accepted this much, and stored 64 MB of answers.
+    // Before there were limits, the server accepted this much data, and stored 64 MB of answers.
     let mut accepted = 0;
     while let Ok(count) = idle.write(&text.as_bytes()[accepted % text.len()..]) {
         accepted += count;
@@ -52,7 +52,7 @@ fn stops_reading_requests_of_clients_that_read_no_answers() {
 fn serves_newcomers_over_udp_after_datagrams_from_many_ports() {
     let server = frozen(Options::default());
     let text = request("a", &json!({ "type": "SYS-PING" }));
-    // The system may assign a port again.
+    // The operating system may assign the same port again.
     let mut ports = BTreeSet::new();
     while ports.len() < 260 {
         let socket = UdpSocket::bind("127.0.0.1:0").expect("a port");
@@ -94,7 +94,7 @@ fn idle_connections_lock_nobody_out() {
     }
 }
 
-/// An HTTP connection for polling sessions.
+/// An HTTP connection for sessions that use polling.
 struct HttpConnection {
     stream: TcpStream,
     reader: BufReader<TcpStream>,
@@ -112,7 +112,7 @@ impl HttpConnection {
     fn open_session(&mut self) -> String {
         self.stream.write_all(b"GET /socket.io/?EIO=4&transport=polling HTTP/1.1\r\n\r\n").expect("sent");
         let mut response = Vec::new();
-        // The response ends with the object that describes the session.
+        // The object that describes the session is at the end of the response.
         self.reader.read_until(b'}', &mut response).expect("a response");
         let response = String::from_utf8_lossy(&response);
         response.split("\"sid\":\"").nth(1).and_then(|rest| rest.split('"').next()).expect("an id").to_owned()
@@ -167,7 +167,7 @@ fn a_session_that_is_not_used_ends_soon() {
     settle(&server);
     let another = connection.open_session();
     clock.sleep(Duration::from_millis(1_500));
-    // The server checks its limits between two requests.
+    // The server checks its limits between requests.
     settle(&server);
     let [used, unused, another] = [used, unused, another].map(|sid| connection.send(&sid, "40"));
     assert_eq!([&*used, &*unused, &*another], ["200", "400", "200"]);
@@ -188,7 +188,7 @@ fn limits_operations_of_all_clients() {
     assert_eq!(started[5], 4, "each client may start some operations at any time");
 }
 
-/// Runs the program with few file descriptors, which idle connections use up.
+/// Runs the program with few file descriptors, all of which idle connections use up.
 #[cfg(unix)]
 #[test]
 fn serves_newcomers_with_few_file_descriptors() {

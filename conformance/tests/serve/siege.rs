@@ -1,4 +1,4 @@
-//! Bad clients take all seats of the server, on all transports, while good clients send requests.
+//! A siege: on all transports, bad clients take all seats of the server, while good clients send requests.
 
 mod bad;
 
@@ -14,7 +14,7 @@ use uavspec_flockwave::transport::{Client, Received, connect};
 
 use super::request;
 
-/// The time limit for an answer. It detects a server that hangs; the delay is only printed.
+/// The time limit for an answer, which detects a server that hangs. The measured delay is only printed.
 const HANG: Duration = Duration::from_secs(30);
 
 /// The interval between requests of a good client.
@@ -23,13 +23,13 @@ const PAUSE: Duration = Duration::from_millis(50);
 /// The time after which a good client over UDP repeats its request.
 const REPEAT: Duration = Duration::from_millis(100);
 
-/// The maximum memory of the server, in bytes.
+/// The maximum amount of memory that the server may use, in bytes.
 const MEMORY_LIMIT: u64 = 100 << 20;
 
-/// The number of bad connections, which is more than the server has seats.
+/// The number of bad connections. It exceeds the number of seats.
 const BAD: usize = 400;
 
-/// The time of the siege.
+/// The duration of the siege.
 const TIME: Duration = Duration::from_secs(5);
 
 /// A running server.
@@ -67,7 +67,7 @@ impl Target {
         kilobytes << 10
     }
 
-    /// Ends the server. Returns its messages.
+    /// Ends the server. Returns the messages that it printed.
     fn end(mut self) -> String {
         drop(self.child.stdin.take());
         let mut messages = String::new();
@@ -82,7 +82,7 @@ impl Target {
 struct Delays {
     answers: u64,
     worst: Duration,
-    /// The number of answers after more than a second.
+    /// The number of answers that took more than a second.
     late: u64,
     /// The number of lost connections.
     lost: u64,
@@ -91,12 +91,12 @@ struct Delays {
 /// A good client.
 struct GoodClient {
     url: String,
-    /// True if the client opens a connection for each request.
+    /// True if the client opens a new connection for each request.
     is_newcomer: bool,
 }
 
 impl GoodClient {
-    /// Sends requests until the end, and measures the delay of answers.
+    /// Sends requests until the end of the siege, and measures the delays of the answers.
     fn run(&self, is_over: &AtomicBool) -> Delays {
         let mut delays = Delays::default();
         let mut connection = None;
@@ -142,7 +142,7 @@ impl GoodClient {
     }
 }
 
-/// True if an answer arrives in time. `None` if the connection ends.
+/// Waits for an answer. Returns true if it arrives in time, and `None` if the connection ends.
 fn await_answer(client: &mut dyn Client, until: Instant) -> Option<bool> {
     loop {
         match client.receive(until).ok()? {
@@ -191,7 +191,7 @@ fn answers_good_clients_during_a_siege() {
     let mut max = 0;
     thread::scope(|scope| {
         let is_over = &is_over;
-        // Ends the clients even if an assertion fails.
+        // The clients end even if an assertion fails.
         let _end = EndOnDrop(is_over);
         bad::start(scope, target.addresses, BAD, is_over);
         let running: Vec<_> = good.iter().map(|client| scope.spawn(|| client.run(is_over))).collect();

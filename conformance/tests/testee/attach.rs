@@ -1,4 +1,4 @@
-//! Tests of testees that listen on a port. The server here starts a testee for each connection, as inetd does.
+//! Tests of testees that listen on a port. The server in these tests starts a testee for each connection, like inetd.
 
 use std::collections::BTreeSet;
 use std::io::{BufRead as _, BufReader, Read, Write};
@@ -21,9 +21,9 @@ use super::{
 struct Service {
     /// The arguments of the testee.
     arguments: Vec<String>,
-    /// A barrier before the first request of each connection.
+    /// A barrier at which each connection waits before its first request.
     gate: Option<Arc<Barrier>>,
-    /// The started processes, which are killed at the end, because some of them hang.
+    /// The processes that have been started. They are killed at the end, because some of them hang.
     children: Arc<Mutex<Vec<Child>>>,
 }
 
@@ -80,7 +80,7 @@ impl Service {
         thread::spawn(move || {
             let mut requests = BufReader::new(requests);
             let mut hello = Vec::new();
-            // The peer observes errors as well.
+            // The peer also observes errors.
             let _ = requests.read_until(b'\n', &mut hello).and_then(|_| input.write_all(&hello));
             let _ = requests.fill_buf();
             if let Some(gate) = gate {
@@ -100,8 +100,8 @@ impl Service {
     }
 }
 
-/// Copies data until either side ends. With `io::copy`, the kernel would copy the bytes and lock the pipe while waiting
-/// for data, which blocks the reader.
+/// Copies data until either side ends. Doesn't use `io::copy`, in which the kernel would lock the pipe while it waits
+/// for data, which would block the reader.
 fn pump(mut from: impl Read, mut to: impl Write) {
     let mut buffer = [0; 4096];
     while let Ok(count @ 1..) = from.read(&mut buffer) {
@@ -127,7 +127,7 @@ fn a_listening_testee_passes_all_cases() {
 
 #[test]
 fn opens_one_connection_per_job() {
-    // No connection sends its first request before all three are open.
+    // No connection sends its first request before all three connections are open.
     let server = Server::listen(&[], Some(Arc::new(Barrier::new(3))));
     let selected = all_cases();
     let options = Options { jobs: 3, window: 4, ..attached(&server.address(), options(&[])) };
@@ -151,7 +151,7 @@ fn connects_to_host_names_and_ipv6_addresses() {
 
 #[test]
 fn reports_the_case_that_closes_the_connection() {
-    // The server keeps running, so a new connection is a restart.
+    // The server keeps running, so a new connection counts as a restart.
     let id = some_cases()[4].to_string();
     let server = Server::listen(&["crash", &id], None);
     let (verdict, outcome) = culprit("crash", |_| attached(&server.address(), options(&[])));
@@ -180,7 +180,7 @@ fn waits_for_a_restarting_testee() {
     thread::spawn(move || {
         let mut listener = Some(listener);
         loop {
-            // The port is closed while a testee runs.
+            // The port is closed while a testee is running.
             let here = listener.take().unwrap_or_else(|| TcpListener::bind(address).expect("the port again"));
             let (stream, _) = here.accept().expect("a connection");
             drop(here);

@@ -10,7 +10,7 @@ use uavspec_probe::testee::{CHECKS, Check, LintResult, Options, check, lint};
 
 use super::{built_in, impatient, options, patiently, suite, testee};
 
-/// Modes that always misbehave in the same way, with all checks that fail.
+/// Modes that always misbehave in the same way, each with all checks that fail.
 const DETERMINISTIC: &[(&[&str], &[&str])] = &[
     (&["exit"], &["introduction"]),
     (&["bad-hello"], &["introduction"]),
@@ -41,8 +41,8 @@ const DETERMINISTIC: &[(&[&str], &[&str])] = &[
     (&["chatty"], &["only-answers"]),
 ];
 
-/// Modes whose failures differ between runs, with the checks that always fail. The fifth request of a session has the
-/// id 1005.
+/// Modes whose failures differ between runs, each with the checks that always fail. The fifth request of a session has
+/// the id 1005.
 const UNPREDICTABLE: &[(&[&str], &[&str])] = &[
     (&["crash", "1005"], &["answers-have-ids", "one-answer-each"]),
     (&["hang", "1005"], &["one-answer-each"]),
@@ -165,13 +165,13 @@ fn checks_of_unsupported_features_are_not_applicable() {
     std::fs::write(folder.path().join("Wind.msg"), wind).expect("a file");
     let folder = folder.path().to_str().expect("UTF-8");
     let testee = testee().to_str().expect("UTF-8");
-    // The reference testee for this repository doesn't support the message, but still gets requests.
+    // The reference testee of this repository doesn't support the message, but still receives requests.
     let (status, printed, output) = uavspec(&["--definitions", folder, "--", testee]);
     assert!(
         status == Some(0) && printed.contains("\n\n16 passed, 0 failed, 5 not applicable"),
         "{printed}{output}"
     );
-    // With these definitions, the testee supports the message, which has no floats.
+    // With these definitions, the testee supports the message. The message has no floats.
     let (status, printed, output) =
         uavspec(&["--definitions", folder, "--", testee, "--definitions", folder]);
     assert!(
@@ -180,7 +180,7 @@ fn checks_of_unsupported_features_are_not_applicable() {
     );
 }
 
-/// Lints a testee in another language.
+/// Lints a testee that is written in another language.
 fn check_testee(command: &[&str], script: &str) {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("testees").join(script);
     let command = command.iter().map(Into::into).chain([script.into()]).collect();
@@ -205,7 +205,7 @@ fn the_javascript_testee_passes_lint() {
     check_testee(&["node"], "node/testee.js");
 }
 
-/// The responses of the testee to requests.
+/// The responses of the testee to these requests.
 fn replies(requests: &[Value]) -> Vec<Value> {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("requests");
@@ -231,7 +231,7 @@ fn the_examples_in_the_readme_are_correct() {
             reply.as_object().expect("an object").keys().cloned().collect()
         };
         assert_eq!((names(documented), &documented["id"]), (names(actual), &actual["id"]));
-        // The text of a reason is arbitrary.
+        // The text of a reason may be anything.
         assert_eq!(documented.get("ok"), actual.get("ok"));
     }
 }

@@ -1,4 +1,4 @@
-//! HTTP statuses, redirects and logins.
+//! Tests of HTTP statuses, redirects and logins.
 
 use uavspec_test_server::proxy::MOVED;
 
@@ -11,7 +11,7 @@ fn access(password: &str) -> Access {
     Access::new(Some(("pilot".to_owned(), password.to_owned())), Trust::default())
 }
 
-/// Starts a server that requires the login over HTTP. Over Socket.IO, only the proxy requires it.
+/// Starts a server and a proxy. Over HTTP, the server requires the login. Over Socket.IO, only the proxy requires it.
 fn start_with_login(scheme: &str, proxy: &Proxy) -> (Server, SocketAddr) {
     let login = (scheme == "http").then(|| ("pilot".to_owned(), "secret".to_owned()));
     let (server, address) = serve(Options { login, ..Options::default() }, Transport::Http);

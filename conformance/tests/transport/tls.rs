@@ -1,4 +1,4 @@
-//! TLS, with and without trusted certificates.
+//! Tests of TLS, with and without trusted certificates.
 
 use std::path::PathBuf;
 
@@ -14,7 +14,7 @@ const TLS_URLS: [(&str, &str); 5] = [
     ("socketios", "?protocol=4&transport=websocket"),
 ];
 
-/// A file that is deleted at the end.
+/// A certificate file that is deleted when it is dropped.
 struct Authorities(tempfile::TempDir);
 
 impl Authorities {
@@ -56,7 +56,7 @@ fn explains_certificates_that_are_not_valid() {
     }
 }
 
-/// A TLS proxy in front of a server for this scheme.
+/// Starts a server for this scheme, with a TLS proxy in front of it.
 fn encrypted(scheme: &str, names: &[&str]) -> (Server, SocketAddr, Authorities) {
     let (server, address) = start(scheme);
     let (pem, config) = certified(names);

@@ -211,7 +211,7 @@ const fn json_bounds(scalar: Scalar) -> Option<(Number, Number)> {
     match (scalar, scalar.integer_bounds()) {
         (_, Some((min, max))) => Some((Number::Int(min), Number::Int(max))),
         (Scalar::Float32, None) => Some((Number::Float(-MAX_FLOAT32), Number::Float(MAX_FLOAT32))),
-        // Some JSON parsers read 1e999 as infinity.
+        // Bounds are needed, because some JSON parsers read 1e999 as infinity.
         (Scalar::Float64, None) => Some((Number::Float(f64::MIN), Number::Float(f64::MAX))),
         _ => None,
     }

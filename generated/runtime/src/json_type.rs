@@ -178,7 +178,7 @@ impl<'de> Visitor<'de> for Parser {
     }
 }
 
-/// The choices between alternatives made while reading. For each value and each type as which the value was read,
+/// The choices between alternatives made while reading. For each value and each type that it was read as, the map
 /// contains the index of the first alternative that may accept the value.
 ///
 /// If an alternative rejects a value, the next alternative reads the nested values again. Without these choices, the

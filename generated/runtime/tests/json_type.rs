@@ -231,7 +231,7 @@ fn errors_contain_no_raw_identifiers() {
     }
 }
 
-/// Declares types with these names in each way, and a function that checks a value of each type.
+/// Declares types of all kinds with these names, and a function that checks a value of each type.
 macro_rules! declare {
     ($($type:ident)*) => {
         mod objects {

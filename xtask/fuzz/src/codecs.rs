@@ -6,7 +6,7 @@ use uavspec_runtime::serde::de::DeserializeOwned;
 use uavspec_runtime::{Definition, Message, UorbMessage};
 use uavspec_types::px4::{ArmingCheckReply, BatteryStatus, Event, FailsafeFlags, RegisterExtComponentReply};
 
-/// Passes the input without its first byte to one of the functions, which the first byte selects.
+/// Calls the function that the first byte selects, with the rest of the input.
 fn select(data: &[u8], checks: &[fn(&[u8])]) {
     if let Some((first, data)) = data.split_first() {
         checks[usize::from(*first) % checks.len()](data);

@@ -44,7 +44,7 @@ pub(crate) fn format(data: &[u8]) {
     check_layout(form, path, data);
 }
 
-/// The kind of file that a byte selects.
+/// The form and the file name that a byte selects.
 fn form(byte: u8) -> (Form, &'static str) {
     match byte % 9 {
         0 => (Form::Msg(Dialect::Px4), "A.msg"),
@@ -111,7 +111,7 @@ fn check(form: Form, extension: &str, data: &[u8]) {
         );
         uavspec_emit::json_schema::emit(&schema, &uavspec_emit::json_schema::Options::default());
     }
-    // Rendering one diagnostic takes longer than finding hundreds of them.
+    // Render only a few diagnostics, because rendering one takes longer than finding hundreds.
     diagnostics.truncate(SHOWN);
     render::render(&diagnostics, &sources, false);
 }

@@ -19,7 +19,8 @@ pub(crate) fn write_lines(count: usize, out: &mut impl Write) -> Result<()> {
     out.flush()
 }
 
-/// Writes a fleet's status reports, as a capture without findings. Each report contains `each` of the `total` states of UAVs.
+/// Writes a fleet's status reports, as a capture without findings. Each report contains the states of `each` UAVs, and
+/// all reports together contain `total` states.
 pub(crate) fn write_reports(total: usize, each: usize, out: &mut impl Write) -> Result<()> {
     for first in (0..total).step_by(each) {
         let time = 1_790_000_000_000 + first / 5;

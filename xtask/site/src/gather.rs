@@ -88,7 +88,7 @@ fn copy(from: &Path, to: &Path) -> Result<(), Vec<String>> {
     Ok(())
 }
 
-/// Copies a file. Links of pages to schema files lead to the pages that show these schemas.
+/// Copies a file. In a page, replaces links to schema files with links to the pages that show these schemas.
 fn copy_file(from: &Path, to: &Path) -> io::Result<()> {
     if from.extension().is_some_and(|ending| ending == "md") {
         return fs::write(to, fs::read_to_string(from)?.replace(".schema.json)", ".schema.md)"));

@@ -75,7 +75,7 @@ impl<'r> Links<'r> {
         let page = match (is_folder, has_index) {
             (true, true) => format!("{}/README.md", below.trim_end_matches('/')),
             _ if folder == "schemas" => below.replace(".schema.json", ".schema.md"),
-            // Browsers show a list of files for a local folder.
+            // Keep links to other folders. For a local folder, browsers show a list of its files.
             _ => below.to_owned(),
         };
         GENERATED.contains(&folder).then_some(page)

@@ -57,7 +57,7 @@ fn run(arguments: &Arguments) -> Result<(), Vec<String>> {
     let folder = tempfile::tempdir().map_err(|error| vec![format!("a temporary folder: {error}")])?;
     let gathered = gather::gather(&arguments.repository, folder.path())?;
     let built = build(folder.path(), &gathered, &arguments.out);
-    // mdBook removes the mark as well.
+    // mdBook removes the mark as well, so mark the folder again.
     let marked = mark(&arguments.out);
     built.and(marked).map_err(|error| vec![error])?;
     let index = arguments.out.join("index.html");

@@ -75,7 +75,7 @@ fn listing(title: &str, json: &str) -> String {
     format!("## {title}\n\n```json\n{}\n```\n\n", json.trim_end())
 }
 
-/// A table of the file, the address, and the page of the definition.
+/// A table with the file, the address, and the page of the definition.
 fn facts(generated: &Path, stem: &str, file: &str, schema: &Value) -> String {
     let mut rows = vec![["File".to_owned(), format!("[`{file}`]({file})")]];
     if let Some(id) = schema["$id"].as_str() {

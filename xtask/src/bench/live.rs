@@ -111,7 +111,7 @@ fn measure(program: &OsStr, load: &Load) -> Result<(), String> {
     Ok(())
 }
 
-/// Starts a publisher, which waits until a line arrives.
+/// Starts a publisher, waits until it is ready, and returns its process and its output.
 fn start_publisher(load: &Load) -> Result<(Child, BufReader<ChildStdout>), String> {
     let mut command = on_core("1", PYTHON);
     let Load { transport, port, ty, size, .. } = *load;
@@ -140,7 +140,7 @@ struct Usage {
     memory: Vec<u64>,
 }
 
-/// Reads the resources of a process until it ends.
+/// Measures the resources that a process uses until it ends.
 fn watch(child: &mut Child) -> Result<Usage, String> {
     let (folder, mut usage) = (format!("/proc/{}", child.id()), Usage::default());
     let started = Instant::now();

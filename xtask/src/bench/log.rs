@@ -33,7 +33,7 @@ pub(super) struct Log {
 /// A message of the data section.
 struct Message {
     bytes: Vec<u8>,
-    /// The position in the message of the time that a copy shifts.
+    /// The position of the time in the message. Copies of the message shift this time.
     time: Option<usize>,
     /// The subscription of a data message.
     id: Option<u16>,
@@ -80,7 +80,8 @@ impl Violation {
                 let bytes = message.get_mut(TIMESTAMP..TIMESTAMP + 8).zip(time);
                 bytes.map(|(bytes, time)| bytes.copy_from_slice(&time.to_le_bytes())).is_some()
             }
-            // More than the longest padding is missing.
+            // Without padding, payloads may be shorter than their format, so more than the longest padding must be
+            // missing.
             Self::Size if message.len() > MESSAGE + usize::from(SHORT) + 8 => {
                 message[..2].copy_from_slice(&SHORT.to_le_bytes());
                 bytes.truncate(start + MESSAGE + usize::from(SHORT));
@@ -144,15 +145,15 @@ impl Log {
         Some(log)
     }
 
-    /// A log of about this size. The messages of this log repeat with later times. Also returns the topic of the
-    /// violation.
+    /// Creates a log of about this size by repeating the messages of this log with later times. Also returns the topic
+    /// of the violation.
     pub(super) fn make(&self, size: usize, mut violation: Option<Violation>) -> (Vec<u8>, Option<&str>) {
         let mut bytes = Vec::with_capacity(size + (1 << 16));
         bytes.extend(&self.definitions);
         let half = usize::midpoint(bytes.len(), size);
         let (mut previous, mut violated) = (HashMap::new(), None);
         for round in 0_u64.. {
-            // No topic has the field to change.
+            // Stop if no topic has the field to change.
             if round > 1 && bytes.len() > 2 * size {
                 break;
             }
@@ -160,7 +161,7 @@ impl Log {
                 if bytes.len() >= size && violation.is_none() {
                     return (bytes, violated);
                 }
-                // Messages without a time, such as subscriptions, apply to all rounds.
+                // Repeat only messages with a time. Other messages, such as subscriptions, apply to all rounds.
                 if round > 0 && message.time.is_none() {
                     continue;
                 }

@@ -28,10 +28,11 @@ const PYTHON: &str = "conformance/python";
 /// The subfolder of the package from which maturin adds the program to a wheel.
 const DATA: &str = "uavspec._native.data";
 
-/// The C libraries for which there are wheels, and the oldest systems that have them. A Python module can't be static.
+/// The C libraries for which wheels are built, each with the oldest systems that support the wheel. A Python module
+/// can't be static.
 const LIBRARIES: [[&str; 2]; 2] = [["gnu", "manylinux2014"], ["musl", "musllinux_1_2"]];
 
-/// Fails with the requirement that this machine doesn't meet.
+/// Fails if this machine doesn't meet a requirement. The error describes the requirement.
 pub(super) fn check_tools() -> Result<(), String> {
     match TOOLS.iter().find(|[tool, _]| !found(tool)) {
         Some([tool, help]) => Err(format!("{tool} is not installed\n  help: {help}")),
@@ -99,7 +100,7 @@ pub(super) fn wheels(built: &Built, third_party: &[File], time: u64) -> Result<V
         maturin(&[&options[..], &["--compatibility", *system]].concat(), time)
     };
     let wheels: Result<Vec<Vec<File>>, String> = LIBRARIES.iter().map(of_library).collect();
-    // An installation from this checkout must not contain these files.
+    // Remove the copied files, because an installation from this checkout must not contain them.
     let mut removed = third_party.iter().map(|file| fs::remove_file(package.join(&file.path)));
     removed.try_for_each(|it| it).and_then(|()| fs::remove_dir_all(package.join(DATA))).map_err(failed)?;
     Ok(wheels?.concat())
@@ -127,7 +128,7 @@ pub(super) fn run_with(command: &mut Command, time: u64) -> Result<(), String> {
     let target = folder();
     fs::create_dir_all(&target).map_err(|error| format!("{}: {error}", target.display()))?;
     let mut flags = Vec::new();
-    // The last matching replacement applies.
+    // The order matters, because the last matching replacement applies.
     for (path, name) in [(repository(), "/uavspec"), (&*target, "/target"), (&*home, "/cargo")] {
         let path = fs::canonicalize(path).map_err(|error| format!("{}: {error}", path.display()))?;
         let mut flag = OsString::from("--remap-path-prefix=");
@@ -136,7 +137,7 @@ pub(super) fn run_with(command: &mut Command, time: u64) -> Result<(), String> {
         flags.push(flag);
     }
     if cfg!(windows) {
-        // The C runtime is a separate download.
+        // Link the C runtime statically, because it is a separate download.
         flags.push("-Ctarget-feature=+crt-static".into());
     }
     command.current_dir(repository()).env("CARGO_TARGET_DIR", target);

@@ -19,8 +19,8 @@ const SHELLS: [(&str, &str); 5] = [
     ("zsh", "_uavspec"),
 ];
 
-/// Writes the completions and the man pages to a folder: runs the program, or a development build if all programs are for
-/// other processors.
+/// Runs the program to write its completions and man pages to a folder. If all programs are for other processors, runs
+/// a development build instead.
 pub(super) fn write(root: &Path, programs: &[Built], folder: &Path) -> Result<(), String> {
     let is_native = |built: &&Built| {
         built.platform.machine == ARCH && built.platform.target.contains("linux") == cfg!(target_os = "linux")

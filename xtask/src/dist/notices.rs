@@ -146,7 +146,7 @@ fn document(parts: &[Part]) -> String {
     let mut texts: Vec<(Vec<&str>, &str)> = by_text.into_iter().map(|(text, names)| (names, text)).collect();
     texts.sort();
     for (mut names, found) in texts {
-        // A crate may contain a text several times.
+        // A crate may contain a text several times, so remove repeated names.
         names.dedup();
         let _ = write!(text, "\n{RULE}\n{}\n{RULE}\n\n{found}\n", names.join("\n"));
     }

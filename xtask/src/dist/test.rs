@@ -103,7 +103,7 @@ pub(super) fn run(out: &Path, platforms: &[&'static Platform]) -> Result<bool, S
     Ok(passed)
 }
 
-/// A row of the table, and the error.
+/// Installs and runs the program in a system. Returns a row of the table, and the error if the test fails.
 fn test(system: &System, platform: &Platform, method: &Method) -> ([String; 5], Option<String>) {
     let timed = |script: &str| {
         let start = Instant::now();

@@ -61,7 +61,7 @@ impl Program {
         Err(format!("{target}: no seeds: {}", String::from_utf8_lossy(&output.stderr).trim_end()))
     }
 
-    /// Runs a target with these arguments of libFuzzer.
+    /// Runs a target with these libFuzzer arguments, and returns its output.
     pub(super) fn run<A: AsRef<OsStr>>(
         &self,
         target: &str,

@@ -44,7 +44,7 @@ impl Run {
         prefix.push("/");
         let options = [
             option("-max_total_time", arguments.seconds.to_string()),
-            // libFuzzer chooses a random seed instead of 0.
+            // If the seed is 0, libFuzzer chooses a random seed.
             option("-seed", arguments.seed.unwrap_or_default().to_string()),
             option("-timeout", MAX_EXECUTION.to_string()),
             option("-rss_limit_mb", MAX_MEMORY.to_string()),

@@ -71,7 +71,7 @@ pub(super) fn script(action: &str, tool: &Tool) -> Command {
     command
 }
 
-/// Installs the adapter of a tool. An error is the reason why it can't run.
+/// Installs the adapter of a tool. If the adapter can't run, returns the reason.
 pub(super) fn install(tool: &Tool, may_install: bool) -> Result<(), String> {
     let mut command = script("install", tool);
     if !may_install {
@@ -92,7 +92,7 @@ pub(super) fn run(command: &mut Command, jobs: &[Job], log: &Path, limit: Durati
 }
 
 impl Answers {
-    /// Runs an adapter and reads its output. An error is an end other than success.
+    /// Runs an adapter and reads its output. If the run doesn't succeed, returns the way in which it ended.
     fn read(
         &mut self,
         command: &mut Command,

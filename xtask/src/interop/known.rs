@@ -74,8 +74,8 @@ impl Known {
     }
 
     /// Removes the disagreements that an entry explains, and counts them by entry. The first matching entry explains a
-    /// disagreement. Returns the errors: an entry must explain at least one disagreement for each of its tools that ran,
-    /// and each pattern of an entry must match at least one disagreement.
+    /// disagreement. Returns an error for each entry that explains no disagreement of one of its tools that ran, and
+    /// for each pattern that matches no disagreement.
     pub(super) fn classify(&self, tallies: &mut BTreeMap<String, Tally>) -> Vec<String> {
         let mut used_patterns = BTreeSet::new();
         for (tool, tally) in &mut *tallies {

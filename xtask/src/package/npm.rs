@@ -34,7 +34,7 @@ const INDEX: &str = "index";
 /// The script that runs the program of the package for the current platform.
 const LAUNCHER: &str = "bin/uavspec.cjs";
 
-/// The program in the packages for platforms. The launcher has the same path.
+/// The path of the program in the packages for platforms. The launcher contains the same path.
 const PROGRAM: &str = "bin/uavspec";
 
 /// Builds the package of the types. Data is in separate files, so bundlers include only the required data.
@@ -99,7 +99,7 @@ fn manifest(name: &str, description: &str) -> Value {
 }
 
 fn types_json(files: &[File]) -> Value {
-    // Modules without types are internal.
+    // Export only modules with types. The other modules are internal.
     let modules = files.iter().filter_map(|file| file.path.strip_suffix(".d.cts"));
     let mut entries: Vec<(String, Value)> = modules.map(|name| (entry(name), conditions(name))).collect();
     entries.sort_by(|(left, _), (right, _)| left.cmp(right));

@@ -116,7 +116,7 @@ narrow = { id = "nearest" }
 /// The number of messages in each direction that are compared with the reference.
 const NUM_CASES: usize = 200;
 
-/// Random messages in JSON, converted by the reference.
+/// Random messages in JSON, each with the result of the reference conversion.
 fn cases() -> Value {
     let mut sources = SourceMap::default();
     let packages = [("old", OLD, PARTS[0]), ("new", NEW, PARTS[1])].map(|(package, glider, part)| {

@@ -45,7 +45,7 @@ fn convert<T: Message + Serialize + DeserializeOwned>(text: &str, bytes: [&[u8];
         let read = T::from_cdr_strict(bytes).unwrap_or_else(|error| panic!("{error}: {text}"));
         assert_eq!(serde_json::to_string(&read).expect("JSON"), text, "{order:?}");
         for end in 0..bytes.len() {
-            // The last bytes may be only alignment.
+            // The truncated payload may end with alignment, so the error may be before its end.
             let error =
                 T::from_cdr(&bytes[..end]).err().unwrap_or_else(|| panic!("{end} bytes suffice: {text}"));
             assert!(error.offset <= end, "{error}");

@@ -66,7 +66,7 @@ fn the_npm_package_has_the_expected_content() {
     assert!(npm["package/LICENSE-APACHE"].contains("Apache License"));
 }
 
-/// All strings within a value.
+/// Adds all strings within a value to `into`.
 fn leaves<'v>(value: &'v Value, into: &mut Vec<&'v str>) {
     match value {
         Value::String(text) => into.push(text),

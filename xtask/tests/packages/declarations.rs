@@ -268,7 +268,7 @@ fn python_types_accept_valid_values() {
     // Further fields are valid in JSON, but type checkers report them.
     for (index, case) in cases().iter().filter(|case| !case.has_further_fields).enumerate() {
         let Some(is_accepted) = case.is_accepted else { continue };
-        // In Python, a `bool` is an `int`.
+        // Skip these cases, because a `bool` is an `int` in Python.
         if !is_accepted && contains_boolean(&case.json) {
             continue;
         }

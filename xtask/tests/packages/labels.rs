@@ -81,7 +81,7 @@ for tags in [["pt_BR.UTF-8"], ["IS-is"], ["pt", "fa"], ["tlh"], []]:
     print(labels.text("gliders/Glider::MARK_FIRST"), str(labels.text("toString") is None).lower())
 "#;
 
-/// The output of both programs.
+/// The expected output of both programs.
 const PRINTED: &str = r#"en English false
 fa فارسی true
 is is false

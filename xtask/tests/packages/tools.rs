@@ -59,7 +59,7 @@ pub(crate) fn node_tools() -> &'static Path {
     })
 }
 
-/// The script of a type checker from npm.
+/// The path of a type checker's script from npm.
 pub(crate) fn node_tool(path: &str) -> String {
     node_tools().join(path).display().to_string()
 }

@@ -75,7 +75,7 @@ pub(crate) enum EventChange<'a> {
     Removed(&'a Event),
     /// Only in the new version.
     Added(&'a Event),
-    /// In both versions, with the packages and components.
+    /// In both versions, each with its package and its component.
     Same(EventIn<'a>, EventIn<'a>),
 }
 
@@ -109,7 +109,7 @@ impl<'a> Comparison<'a> {
         Self::of_packages((old, new), packages(old, new), &[], between)
     }
 
-    /// Matches pairs of packages, and the pairs of messages in `others`, whose names may differ.
+    /// Matches the contents of pairs of packages. `others` contains further pairs of messages, whose names may differ.
     pub(crate) fn of_packages(
         (old, new): (&'a Schema, &'a Schema),
         packages: Vec<(Option<&'a Package>, Option<&'a Package>)>,

@@ -6,7 +6,7 @@ use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "event-enum-changed",
-    statement: "An entry of an enum of events was removed, or its value has a different meaning.",
+    statement: "An entry of an event enum was removed, or its value has a different meaning.",
     why: "Readers with the metadata of another build show a wrong label.",
     fix: "Keep the values of all entries, and add new entries with new values.",
     breaks: &[(Category::Source, Level::Error), (Category::Semantic, Level::Error)],

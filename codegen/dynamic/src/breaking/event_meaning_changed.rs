@@ -6,7 +6,7 @@ use super::prelude::*;
 pub(super) const RULE: Rule = Rule {
     id: "event-meaning-changed",
     statement: "The message of an event changed.",
-    why: "Readers with the metadata of another build show the other text.",
+    why: "Readers with the metadata of another build show the text of that build.",
     fix: "Check that the event still means the same. For a different condition, use a new event.",
     breaks: &[(Category::Semantic, Level::Note)],
     old: &[boat_events![

@@ -6,8 +6,8 @@ use super::prelude::*;
 pub(super) const RULE: Rule = Rule {
     id: "event-removed",
     statement: "An event was removed, or its name changed.",
-    why: "Programs that use the event no longer compile. Readers of logs that contain the event can't show it with the new \
-        metadata. A new name is a new id, because the id is a hash of the name.",
+    why: "Programs that use the event no longer compile. Readers of logs that contain the event can't show it with \
+        the new metadata. A new name results in a new id, because the id is a hash of the name.",
     fix: "Keep the event, or read old logs with their own metadata.",
     breaks: &[(Category::Source, Level::Error), (Category::Semantic, Level::Warning)],
     old: &[boat_events![

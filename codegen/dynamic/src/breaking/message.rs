@@ -51,7 +51,7 @@ pub(crate) struct Pair<'a> {
     pub between: Between,
 }
 
-/// A field in one or both versions, as an index.
+/// A field in one or both versions, given by its index.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum FieldChange {
     /// In both versions.
@@ -185,14 +185,14 @@ pub(super) fn is_uorb(schema: &Schema, message: &Message) -> bool {
     schema.package_of(message).form == Form::Msg(Dialect::Px4) && message.kind == Kind::Message
 }
 
-/// The index of the new field that matches each old field.
+/// Maps the index of each matched old field to the index of its new field.
 pub(super) type Matched = BTreeMap<usize, usize>;
 
 /// The context for matching the fields of messages.
 pub(super) struct Matching<'a, 'm> {
     pub(super) old: &'a Schema,
     pub(super) new: &'a Schema,
-    /// The new message that matches each old message.
+    /// Maps each matched old message to its new message.
     pub(super) twins: &'m HashMap<MessageId, MessageId>,
 }
 

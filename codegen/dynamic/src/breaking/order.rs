@@ -1,7 +1,6 @@
 //! Comparison of sequences: moved items and matched items.
 
-/// Marks the items of `positions` that must move for the remaining items to be in ascending order. Marks as few items
-/// as possible.
+/// Marks as few items of `positions` as possible, so that the remaining items are in ascending order.
 pub(super) fn moved(positions: &[usize]) -> Vec<bool> {
     // Entry n is the lowest item that ends an ascending sequence of n + 1 items.
     let mut ends: Vec<usize> = Vec::new();

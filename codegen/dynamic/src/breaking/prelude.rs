@@ -8,7 +8,7 @@ pub(super) use uavspec_schema::{Field, glider};
 pub(super) use super::message::{Pair, both};
 pub(super) use super::rule::{Category, Check, Rule, Sink};
 
-/// A page with warnings, from the rows of its table.
+/// Builds a page with warnings from the rows of its table.
 macro_rules! boats {
     ($($row:literal),* $(,)?) => {
         Example {
@@ -23,7 +23,7 @@ macro_rules! boats {
 }
 pub(super) use boats;
 
-/// Event metadata of a component, from its members after the namespace.
+/// Builds the event metadata of a component from its members after the namespace.
 macro_rules! boat_events {
     ($($line:literal),* $(,)?) => {
         Example {

@@ -44,8 +44,8 @@ impl SchemaSignatures {
 
 impl<'a> Signatures<'a> {
     /// Computes the signatures of all messages of `schema`. Signatures of different versions can be compared if the
-    /// same `Signatures` computed them. `old_names` contains the old names of the fields of messages that both versions
-    /// have.
+    /// same `Signatures` computed them. For each message that both versions have, `old_names` contains the old names of
+    /// its fields.
     pub(super) fn of(
         &mut self,
         schema: &'a Schema,

@@ -108,7 +108,7 @@ impl Conversions {
 }
 
 impl Hints {
-    /// The hints that apply to none of the conversions that use them, each with its location and the reason.
+    /// The hints that don't apply to any of these conversions, each with its location and the reason.
     pub fn unused(
         &self,
         conversions: &[&Conversions],

@@ -130,9 +130,8 @@ impl<'t> Converter<'t> {
         Ok(DynamicMessage::of_memory(self.target, run.target))
     }
 
-    /// Counts the losses that change a message: one number for each [loss](Conversion::losses). 0 and NaN, and empty
-    /// strings and sequences, are not counted as lost. The losses for which [`Self::is_counted`] is false are never
-    /// counted.
+    /// Adds 1 to the count of each [loss](Conversion::losses) that changes this message. 0 and NaN, and empty strings
+    /// and sequences, are not counted as lost. The losses for which [`Self::is_counted`] is false are never counted.
     pub fn count_losses(&self, message: &DynamicMessage<'_>, counts: &mut [u64]) {
         for (count, test) in counts.iter_mut().zip(&self.tests) {
             *count += u64::from(test.as_ref().is_some_and(|test| test.is_lost(message.memory())));
@@ -156,7 +155,8 @@ struct Run<'r> {
 }
 
 impl Run<'_> {
-    /// Converts the message at `from` to the message at `to`. `None` if the target becomes too large.
+    /// Converts the message at `from` and writes the result at `to`. `None` if the target becomes too
+    /// large.
     fn program(&mut self, program: &Program, from: usize, to: usize) -> Option<()> {
         for operation in &program.operations {
             match operation {

@@ -189,7 +189,7 @@ fn text<S: Serializer>(field: &Field, bytes: &[u8], serializer: S) -> Result<S::
 #[cold]
 pub(crate) fn explain(view: DynamicView<'_>, fallback: &serde_json::Error) -> Error {
     let mut search = Search { message: &view.plan.name, found: None };
-    // The walk finds nothing if the serializer failed for another reason.
+    // If the serializer failed for another reason, the walk finds nothing.
     let _ = walk(view, &mut Trail::default(), &mut search);
     search.found.unwrap_or_else(|| Error {
         reason: Reason::Json(fallback.to_string()),

@@ -79,7 +79,7 @@ fn lists_the_undecided_parts_between_releases() {
     }
 }
 
-/// Tests the hand-written translations with both message versions in the corpus.
+/// Tests the hand-written translations whose two message versions are both in the corpus.
 #[test]
 fn decides_the_hand_written_steps_between_real_releases() {
     let Some(Corpus { schema, neighbours, .. }) = &*CORPUS else { return };
@@ -113,7 +113,8 @@ fn decides_the_hand_written_steps_between_real_releases() {
     }
 }
 
-/// If the initial source message satisfies its definition, so does the converted message, except for the listed fields.
+/// Checks that a converted message satisfies its definition if the initial source message does. The listed fields are
+/// exceptions.
 #[test]
 fn converted_messages_of_real_releases_validate() {
     let Some(Corpus { schema, neighbours, .. }) = &*CORPUS else { return };

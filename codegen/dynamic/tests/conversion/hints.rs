@@ -72,7 +72,7 @@ fn reports_syntax_errors_of_expressions_at_their_position() {
 fn checks_the_types_of_expressions() {
     for (hint, expected) in [
         ("new.count = \"sink + 1\"", "`count`: expected an integer, found a float"),
-        ("new.is_new = \"count + 1\"", "`is_new`: expected a truth value, found an integer"),
+        ("new.is_new = \"count + 1\"", "`is_new`: expected a boolean, found an integer"),
         ("new.count = \"not count\"", "`not` can't be applied to an integer"),
         ("new.count = \"~sink\"", "`~` can't be applied to a float"),
         ("new.count = \"count & sink\"", "`&` can't be applied to a float"),
@@ -80,9 +80,9 @@ fn checks_the_types_of_expressions() {
             "new.count = \"if count then 1 else 2\"",
             "the condition is an integer; compare it, for example with 0",
         ),
-        ("new.count = \"if true then 1 else false\"", "expected an integer, found a truth value"),
+        ("new.count = \"if true then 1 else false\"", "expected an integer, found a boolean"),
         ("new.count = \"MODE_A\"", "`MODE_A` has two values; write `old.MODE_A` or `new.MODE_A`"),
-        ("new.count = \"list + 1\"", "`list` is not a number or truth value"),
+        ("new.count = \"list + 1\"", "`list` is not a number or a boolean"),
         ("new.list = \"count + 1\"", "`list`: the elements of an array can't be computed"),
     ] {
         let hints = format!("[[hint]]\nmessage = \"Glider\"\n{hint}\n");
@@ -102,7 +102,7 @@ fn texts_strings_and_sequences_are_not_computed() {
     };
     assert_eq!(convert(Dialect::Px4, "char[4]"), "3:5: `a`: a text can't be computed\n");
     assert_eq!(convert(Dialect::Ros2, "uint8[]"), "3:5: `a`: a sequence can't be computed\n");
-    let expected = "3:5: `a`: only numbers and truth values can be computed\n";
+    let expected = "3:5: `a`: only numbers and booleans can be computed\n";
     assert_eq!(convert(Dialect::Ros2, "string"), expected);
 }
 

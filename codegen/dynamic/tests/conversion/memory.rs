@@ -13,7 +13,8 @@ use super::corpus::{CORPUS, releases};
 use super::reference::convert_json;
 use super::support::{Converted, convert, convert_dialect};
 
-/// Converts a message from random bytes in memory and as JSON. Returns the number of compared messages.
+/// Decodes messages from random bytes, converts each in memory and as JSON, and compares the results.
+/// Returns the number of compared messages.
 fn compare(schema: &Schema, types: &Types, conversion: &Conversion, mut next: impl FnMut() -> u8) -> usize {
     let [source, target] = [conversion.from, conversion.to].map(|id| types.get(id));
     let (Some(size), initial) = (source.size(), target.default().to_json().expect("JSON")) else { return 0 };
@@ -128,7 +129,7 @@ proptest! {
         let (there, back) = (found.forward("Glider"), found.backward("Glider"));
         let types = Types::new(&found.schema);
         let message = types.get(there.from).from_json(&message).expect("a message").to_json().expect("JSON");
-        // Both conversions are compared with the reference.
+        // `run` compares each conversion with the reference.
         let converted = found.run(there, &message);
         found.run(back, &converted);
     }
@@ -239,7 +240,7 @@ fn named_values_of_a_count_are_not_limited() {
     }
 }
 
-/// The losses that a conversion counts in a message.
+/// The losses that a conversion counts in a message, each with its number.
 fn losses(found: &Converted, conversion: &Conversion, fields: &str) -> Vec<(LossKind, u64)> {
     let types = Types::new(&found.schema);
     let [source, target] = [conversion.from, conversion.to].map(|id| types.get(id));
@@ -331,7 +332,7 @@ fn recognizes_payloads_that_stay_the_same() {
     }
 }
 
-/// Each element takes one byte in the payload and 8 kB in the target.
+/// Converts a sequence whose elements take one byte each in the payload, but 8 kB each in the target.
 #[test]
 fn limits_the_size_of_converted_messages() {
     let part = "uint8 id\nfloat64[1000] added\n";

@@ -8,7 +8,8 @@ use uavspec_test_definitions::config;
 
 use super::support::{Converted, convert};
 
-/// A field of a random message, in both versions; empty if it doesn't exist.
+/// The declaration of a field in both versions of a random message. Empty in a version without the
+/// field.
 fn field() -> impl Strategy<Value = (String, String)> {
     const PAIRS: &[(&str, &str)] = &[
         ("uint8", "uint8"),
@@ -71,7 +72,7 @@ const NAMES: [&str; 8] = ["alpha", "bravo", "charlie", "delta", "echo", "foxtrot
 /// valid.
 const LARGEST_BYTE: u8 = 0x3f;
 
-/// A message with a payload that repeats `bytes`.
+/// The message whose payload repeats `bytes`.
 fn message(found: &Converted, conversion: &Conversion, bytes: &[u8]) -> Value {
     let types = Types::new(&found.schema);
     let ty = types.get(conversion.from);

@@ -37,7 +37,7 @@ pub(super) fn convert_json(
     Value::Object(converted)
 }
 
-/// A field with `value` in each element.
+/// The value of a field that contains `value` in each element.
 fn spread(field: &Field, value: &Value) -> Value {
     match field.ty.shape {
         Shape::Array(length) => Value::Array(vec![value.clone(); length as usize]),
@@ -69,7 +69,7 @@ fn integer(value: &Value) -> i128 {
     value.as_i64().map(i128::from).or_else(|| value.as_u64().map(i128::from)).unwrap_or_default()
 }
 
-/// A number in the range of the field's type.
+/// The number, limited to the range of the field's type.
 fn number(field: &Field, value: Computed) -> Value {
     let Element::Scalar(scalar) = field.ty.element else { return Value::Null };
     match value {
@@ -123,7 +123,7 @@ impl Copier<'_> {
         Value::Array(elements.collect())
     }
 
-    /// The number of elements of a target array, or `otherwise`.
+    /// The number of elements if the target is an array, or `otherwise` for any other target.
     fn length(&self, otherwise: usize) -> usize {
         match self.target.ty.written().shape {
             Shape::Array(length) => length as usize,
@@ -158,7 +158,7 @@ impl Copier<'_> {
             Elements::Values(pairs) => {
                 let value = integer(value);
                 let named = || pairs.iter().find(|(from, _)| *from == value).map_or(value, |(_, to)| *to);
-                // The limit of a count also converts the named values.
+                // A limit of a count also converts the named values.
                 let converted = self.copy.limit.as_ref().map_or_else(named, |limit| limited(limit, value));
                 number(self.target, Computed::Int(converted))
             }

@@ -101,7 +101,7 @@ fn strings_that_are_not_unicode_are_kept() {
         let strict = format!("names[1] at byte {}: expected a Unicode string, found invalid bytes", at - 4);
         assert_eq!(error.to_string(), strict);
 
-        // The unit é becomes an unpaired surrogate.
+        // Replace the code unit of é with an unpaired surrogate.
         let unit: [u8; 4] = if order == ByteOrder::LittleEndian { [0xe9, 0, 0, 0] } else { [0, 0, 0, 0xe9] };
         let at = valid.windows(4).position(|bytes| bytes == unit).expect("the unit");
         let mut payload = valid;

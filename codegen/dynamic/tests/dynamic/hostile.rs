@@ -91,7 +91,7 @@ fn decodes_random_bytes_to_a_value_or_an_error() {
             if let Some(head) = bytes.first_chunk_mut() {
                 *head = [0, draw.bytes(1)[0] & 1, 0, 0];
             }
-            // Small numbers create plausible lengths.
+            // Use small numbers, which create plausible lengths.
             bytes.iter_mut().skip(HEADER).for_each(|byte| *byte &= [0xff, 3, 0, 1][draw.below(4)]);
             values += usize::from(ty.decode_cdr(&bytes).is_ok());
             read(ty, &bytes);

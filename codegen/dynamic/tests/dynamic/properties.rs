@@ -44,7 +44,7 @@ fn definition(dialect: Dialect, min: usize) -> impl Strategy<Value = String> {
 }
 
 fn schema(dialect: Dialect, outer: &str, inner: &str) -> Result<Schema, TestCaseError> {
-    // `Outer` contains `Inner`, and `Inner` contains the innermost message.
+    // `Outer` contains `Inner`, and `Inner` contains `Innermost`.
     let inner = inner.replace("Inner", "Innermost");
     let innermost = "uint8 a\nfloat64 b\nbool c\n";
     let files =
@@ -134,8 +134,8 @@ fn check_bytes(ty: MessageType<'_>, message: &Message, json: &Json) -> Result<()
     Ok(())
 }
 
-/// A long message is encoded without a precomputed list of copies. The long message's `bool`s and padding must still be
-/// normalized as in a short message.
+/// A long message is encoded without a precomputed list of copies. Its `bool`s and padding must still be normalized as
+/// in a short message.
 #[test]
 fn encodes_long_messages_like_short_ones() {
     let files = [

@@ -118,7 +118,7 @@ macro_rules! dynamic {
 
 fn agree_on_cdr<T: Message + Serialize>(ty: MessageType<'_>, payload: &[u8]) -> Result<(), TestCaseError> {
     let expected = T::from_cdr(payload);
-    // Generated types contain Rust strings, so they can't accept text that isn't Unicode.
+    // Skip text that isn't Unicode. Generated types contain Rust strings, so they can't accept such text.
     if !matches!(&expected, Err(error) if error.fault == Fault::NotUnicode) {
         let found: Outcome = dynamic!(ty.decode_cdr(payload));
         prop_assert_eq!(found, typed(expected));

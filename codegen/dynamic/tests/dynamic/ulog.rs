@@ -15,7 +15,7 @@ fn reads_the_same_values_from_real_logs_as_another_tool() {
     let mut checked = 0;
     for path in files_below(&logs, &["ulg"]) {
         let oracle = oracles.join(path.file_name().expect("a name")).with_extension("json");
-        // The other tool did not read all logs.
+        // Skip logs that the other tool did not read.
         let Ok(oracle) = fs::read_to_string(oracle) else { continue };
         let oracle: Json = serde_json::from_str(&oracle).expect("JSON");
         checked += check_log(&fs::read(&path).expect("a log"), &oracle);
@@ -67,7 +67,7 @@ fn finds_only_known_violations_in_real_logs() {
     assert_eq!(found, known);
 }
 
-/// The restricted fields of a topic in all releases.
+/// The restricted fields of a topic in all releases, each with its restriction.
 fn restricted<'s>(schemas: &'s [Schema], topic: &str) -> Vec<(&'s str, Restriction)> {
     let mut restricted = Vec::new();
     for schema in schemas {
@@ -138,7 +138,7 @@ fn flat(view: DynamicView<'_>) -> Vec<(String, Value<'_>)> {
     values
 }
 
-/// The JSON form of a value in the oracle.
+/// The value in the JSON form of the oracle.
 fn json(value: Value<'_>) -> Json {
     match value {
         Value::Bool(value) => Json::from(u8::from(value)),

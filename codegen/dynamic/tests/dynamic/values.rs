@@ -54,7 +54,7 @@ impl Draw {
         }
     }
 
-    /// A text with a length of at most `max`, according to `measure`.
+    /// A text whose length is at most `max`, as measured by `measure`.
     fn text(&mut self, max: usize, measure: fn(&str) -> usize) -> String {
         const CHARACTERS: [char; 10] = ['a', 'Z', ' ', '"', '\\', '\n', 'é', '€', '😀', '\u{7f}'];
         let mut text = String::new();

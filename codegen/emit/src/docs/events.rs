@@ -23,7 +23,8 @@ pub(super) fn overview_path(package: &Package, component: &EventComponent) -> St
     format!("{}/{}.events.md", package.name, component.namespace)
 }
 
-/// Path of the English page of an event. Events whose names differ only in case have pages with their ids.
+/// Path of the English page of an event. If the names of events differ only in case, the paths contain the ids of the
+/// events.
 fn event_path(package: &Package, component: &EventComponent, event: &Event) -> String {
     let is_other = |other: &&Event| other.id != event.id && other.name.eq_ignore_ascii_case(&event.name);
     let mark = component.events.iter().find(is_other).map_or(String::new(), |_| format!("-{}", event.id));
@@ -167,7 +168,7 @@ impl Pages<'_, '_> {
         }
     }
 
-    /// The entries of an argument's enum.
+    /// Writes the entries of an argument's enum.
     fn enumeration(&self, page: &mut Page, argument: &EventArgument) {
         let Some(reference) = argument.enumeration else { return };
         let words = self.site.words;

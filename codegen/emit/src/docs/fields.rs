@@ -98,7 +98,7 @@ fn values(scope: Scope<'_, '_>, id: MessageId, index: usize, counter: Option<usi
     lines
 }
 
-/// The field, if any, that counts the used entries of each array field.
+/// For each field, the index of the field that counts its used entries, if there is one.
 fn counters(message: &Message) -> Vec<Option<usize>> {
     let mut counters = vec![None; message.fields.len()];
     for (index, field) in message.fields.iter().enumerate() {

@@ -8,7 +8,7 @@ use super::markdown::{Page, Table, code, number_column, text_column, with_code};
 use super::site::Site;
 use super::words::{self, Words};
 
-/// Writes the section about a definition. `name` is the full ROS name.
+/// Writes the history section of a definition. `name` is the full ROS name.
 pub(super) fn write(page: &mut Page, site: &Site<'_>, name: &str, type_hash: Option<&str>) {
     let (Some(steps), words) = (site.histories.get(name), site.words) else { return };
     heading(page, words, 2, words::HISTORY);

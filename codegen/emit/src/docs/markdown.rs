@@ -65,7 +65,7 @@ impl Page {
 
     /// Adds a heading, given as Markdown.
     pub fn heading(&mut self, level: usize, heading: &str) {
-        // A trailing `#` would be parsed as a closing sequence.
+        // Escape a trailing `#`, which would be parsed as a closing sequence.
         let (heading, end) = heading.strip_suffix('#').map_or((heading, ""), |start| (start, "\\#"));
         self.put(format_args!("\n{:#<level$} {heading}{end}\n", ""));
     }
@@ -247,7 +247,7 @@ pub fn with_code(text: &str) -> String {
             markdown.push_str(&code(part));
             continue;
         }
-        // `inline` trims its text, but spaces next to code are significant.
+        // `inline` trims its text, so restore the spaces next to code.
         let (start, end) = (part.len() - part.trim_start().len(), part.trim_end().len());
         markdown.push_str(if start > 0 { " " } else { "" });
         markdown.push_str(&inline(part));
@@ -312,7 +312,7 @@ pub(super) fn unbroken(markdown: &str) -> String {
 
 /// Formats a name or value as code, also inside tables.
 pub fn code(text: &str) -> String {
-    // Some characters are special in tables or templates even inside backticks.
+    // Don't use backticks if a character is special in tables or templates even inside backticks.
     if !text.is_empty()
         && text.bytes().all(|byte| matches!(byte, b' '..=b'~') && !matches!(byte, b'`' | b'|' | b'{'))
     {

@@ -319,7 +319,7 @@ fn enum_names(message: &Message) -> Vec<String> {
     let mut known = BTreeSet::new();
     let name = |(index, found): (usize, &Enum)| {
         let name = found.prefixes.join("-");
-        // Fields of different types may use the same constants.
+        // Number equal names, because fields of different types may use the same constants.
         if known.insert(name.clone()) { name } else { format!("{name}-{}", index + 1) }
     };
     message.enums.iter().enumerate().map(name).collect()

@@ -655,7 +655,7 @@ fn embeds_the_data_of_the_composer() {
     let boats = field("boats");
     assert_eq!((&boats["count"], &boats["size"]), (&2.into(), &16.into()));
     assert_eq!(boats["fields"][1]["offset"], 8);
-    // The data is not Markdown.
+    // The data is plain text without Markdown escapes.
     let kite = composer(&one_message(
         "uint64 timestamp # [us] Time\nfloat32 pull # [V*s] Pull\nuint8 knots # [-] Knots\n",
     ));

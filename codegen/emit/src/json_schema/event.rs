@@ -55,7 +55,7 @@ fn event<'s>(package: &'s Package, component: &'s EventComponent, event: &'s Eve
     Node::Object(members)
 }
 
-/// An argument. Enums are open, because other firmware may send unknown values.
+/// The schema of an argument. Enums are open, because other firmware may send unknown values.
 fn argument<'s>(package: &'s Package, component: &EventComponent, argument: &'s EventArgument) -> Node<'s> {
     let mut members = Vec::new();
     members.extend(annotation("description", filled(&argument.description)));

@@ -188,7 +188,8 @@ fn is_outside(value: Number, used: &Numbers, whole: &Numbers) -> bool {
     whole.violated_by(value).is_none() && used.violated_by(value).is_some()
 }
 
-/// The documented values, plus any other value, because newer firmware may send undocumented values.
+/// The schema of an enum: the documented values, and any other value, because newer firmware may send undocumented
+/// values.
 fn open_enum<'s>(owner: &'s Message, found: &'s Enum, ty: Node<'s>) -> Node<'s> {
     let documented = found.members.iter().map(|entry| {
         let constant = owner.constants.get(entry.constant);

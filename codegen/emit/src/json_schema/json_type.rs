@@ -169,7 +169,7 @@ impl<'s> Writer<'s> {
         // The common expression `string or null` becomes one schema with two types.
         if let [plain, Expression::Null] | [Expression::Null, plain] = alternatives {
             let mut members = self.expression(plain, limits);
-            // The schemas in `allOf` have types too, which reject null.
+            // Schemas nested in `allOf` also have types, which would reject null.
             let is_nested = members.iter().any(|(name, _)| name == "allOf");
             if let Some((name, ty @ Node::Text(_))) = members.first_mut()
                 && name == "type"
@@ -237,7 +237,7 @@ fn reference<'s>(target: Target) -> Vec<Entry<'s>> {
     vec![member("$ref", Node::Reference(target))]
 }
 
-/// The values of a set. An open set allows other values.
+/// The assertions for the values of a set. An open set allows other values.
 fn values(set: &Set) -> Vec<Entry<'_>> {
     let (ty, mut values): (&str, Vec<Node<'_>>) = match &set.values {
         SetValues::Integers(values) => {

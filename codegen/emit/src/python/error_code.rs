@@ -11,7 +11,7 @@ const TEXT: &str = "An error code. Unlisted codes are valid.\n\nA member is name
                     abbreviation of its code. If codes of different severities share an abbreviation, the name\n\
                     includes the severity.";
 
-/// The enum, the severity type and the table.
+/// The code of the enum, the severity type and the table.
 pub(super) fn item(codes: &[KnownCode], uses: &mut Uses) -> String {
     uses.is_open_enum_used = true;
     uses.recent.insert("TypeAlias");

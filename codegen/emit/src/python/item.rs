@@ -20,7 +20,8 @@ pub(super) fn declaration(declaration: &Declaration, uses: &mut Uses) -> String 
             format!("{name}: TypeAlias = {aliased}\n{}", text::docstring(documentation, ""))
         }
         Kind::Enumeration { is_flags, is_signed, members } => {
-            // In Python, a negative `IntFlag` value is the complement of a set of flags.
+            // Don't use `IntFlag` for signed types. In Python, a negative `IntFlag` value is the complement of a set of
+            // flags.
             let base = if *is_flags && !is_signed {
                 uses.is_flags_used = true;
                 "IntFlag"
@@ -59,7 +60,7 @@ fn record(name: &str, documentation: &str, properties: &[Property], uses: &mut U
     uses.recent.insert("TypedDict");
     let types: Vec<String> = properties.iter().map(|property| property_type(property, uses)).collect();
     let type_names: HashSet<&str> = types.iter().map(String::as_str).flat_map(words).collect();
-    // In a class body, an attribute name would shadow the name of a type.
+    // Use the class syntax only if no attribute name would shadow the name of a type in the class body.
     if properties.iter().all(|property| is_attribute(&property.key) && !type_names.contains(&*property.key)) {
         let members: Vec<String> = properties
             .iter()

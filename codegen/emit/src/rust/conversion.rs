@@ -176,7 +176,7 @@ impl Way<'_> {
 /// Allows lints that computed values from hints may violate.
 fn allowed() -> TokenStream {
     quote! {
-        // Computed values are generated as the hints state them.
+        // Allow these lints, because computed values are generated as the hints state them.
         #![allow(clippy::bool_comparison)]
         #![allow(clippy::cast_possible_truncation)]
         #![allow(clippy::cast_precision_loss)]

@@ -13,7 +13,7 @@ use crate::identifier::error_code_names;
 /// Creates the module text.
 pub(super) fn emit(context: &Context<'_>, package: &Package) -> String {
     let mut codes: Vec<&ErrorCode> = package.error_tables.iter().flat_map(|table| &table.codes).collect();
-    // The ranges of tables may overlap.
+    // Sort the codes, because the ranges of tables may overlap.
     codes.sort_by_key(|code| code.code);
     let header = match package.error_tables.as_slice() {
         [table] => header_of(context, package, table.span),

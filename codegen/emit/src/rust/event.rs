@@ -271,7 +271,7 @@ impl Emitter<'_> {
     }
 }
 
-/// The text in a language, if it is translated.
+/// The text in a language, or `text` if it is not translated.
 fn translated<'t>(language: Option<&'t Language>, key: &str, text: &'t str) -> &'t str {
     language.and_then(|language| language.get(key)).unwrap_or(text)
 }

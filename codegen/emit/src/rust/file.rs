@@ -14,7 +14,7 @@ use crate::file::notice;
 
 /// The header of a generated file.
 pub(super) fn header(from: &str) -> String {
-    // A line break in a path would end the comment.
+    // Replace line breaks in a path, which would end the comment.
     let from: String = from.chars().map(prose::visible).collect();
     format!("// {}\n\n", notice(&from))
 }

@@ -71,7 +71,7 @@ impl Imports {
                 None => break,
                 Some(TokenTree::Group(group)) => {
                     let (delimiter, content) = (group.delimiter(), group.stream());
-                    // If the group were kept, its tokens would be copied.
+                    // Drop the group first; otherwise, its tokens would be copied.
                     drop(group);
                     let content = self.shorten(content.into_iter().collect());
                     Group::new(delimiter, content).into()
@@ -128,12 +128,12 @@ impl Imports {
 fn imported(path: &[String], is_macro: bool) -> Option<(usize, usize)> {
     let last = path.len().checked_sub(1)?;
     let name = match path.iter().position(|segment| is_type(segment)) {
-        // `fmt::Result` is a different type from `Result`.
+        // Keep the prefix of `fmt::Result`, which is a different type from `Result`.
         Some(_) if path[..last].ends_with(&["fmt".to_owned()]) => last - 1,
         Some(_) if matches!(path[last].as_str(), "None" | "Some") => last,
         Some(first) => first,
         None if is_macro => last,
-        // A function is called with its module as prefix.
+        // Keep the module of a function as a prefix.
         None => last.checked_sub(1)?,
     };
     (name > 0).then_some((name, path.len() - name))

@@ -387,7 +387,7 @@ fn number(value: Number) -> TokenStream {
 }
 
 fn hexadecimal(value: u32) -> TokenStream {
-    // Eight digits make hashes easier to compare.
+    // Write eight digits, which make hashes easier to compare.
     let literal: Result<proc_macro2::Literal, _> = format!("0x{value:08x}").parse();
     literal.map_or_else(|_| types::integer(value.into()), |literal| quote!(#literal))
 }

@@ -44,7 +44,7 @@ pub(super) fn constant(name: &str, documentation: &str, members: &[Named], langu
                 Language::Declarations => {
                     format!("{documentation}  readonly {key}: {};\n", type_of_value(&member.value))
                 }
-                // Documentation is only in the type declarations.
+                // Omit the documentation, which is only in the type declarations.
                 Language::JavaScript | Language::CommonJs => format!("  {key}: {},\n", value(&member.value)),
                 Language::TypeScript => format!("{documentation}  {key}: {},\n", value(&member.value)),
             }
@@ -62,7 +62,7 @@ pub(super) fn constant(name: &str, documentation: &str, members: &[Named], langu
 
 fn record(name: &str, properties: &[Property], is_closed: bool) -> String {
     if properties.is_empty() {
-        // An empty interface would accept any value except null.
+        // Use a type alias, because an empty interface would accept any value except null.
         let value = if is_closed { "never" } else { "unknown" };
         return format!("export type {name} = {{ [key: string]: {value} }};\n");
     }

@@ -73,7 +73,7 @@ fn needs_brackets(element: &Type) -> bool {
 /// The key of an object or an interface.
 pub(super) fn key(name: &str) -> String {
     if name == "__proto__" {
-        // As a plain key, `__proto__` would set the prototype of the object.
+        // Write `__proto__` in brackets. As a plain key, it would set the prototype of the object.
         return "[\"__proto__\"]".to_owned();
     }
     let is_plain = name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')

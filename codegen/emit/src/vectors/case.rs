@@ -106,8 +106,8 @@ pub(super) enum Change {
     },
 }
 
-/// Number of elements added to exceed the bound of a sequence. Eight elements of any size preserve the alignment of the
-/// following data.
+/// The number of elements that are added to a sequence to exceed its bound. Eight elements of any size preserve the
+/// alignment of the following data.
 pub(super) const GROWTH: u32 = 8;
 
 impl Sample {

@@ -274,7 +274,7 @@ fn bounded(
     [full, long].into_iter().chain(in_cdr)
 }
 
-/// A list of `length` elements, one of which may be replaced.
+/// A list of `length` elements: copies of `element`, except for the element that `other` replaces.
 fn list(element: &str, length: u32, other: Option<(u32, &str)>) -> String {
     let mut json = String::with_capacity((element.len() + 1) * length as usize + 2);
     json.push('[');

@@ -125,7 +125,7 @@ impl Cases<'_> {
 
     // The ids of byte-only cases have a dot before any hyphen, so they differ from the ids of field cases.
 
-    /// uORB payloads: one without trailing padding, one with nonzero padding, and several with invalid sizes.
+    /// Adds uORB payloads: one without trailing padding, one with nonzero padding, and several with invalid sizes.
     fn uorb(&mut self, message: &Message, typical: &str) {
         let (Some(layout), Some(bytes)) = (&message.uorb, self.codec.encode(typical).uorb) else { return };
         let (size, no_padding) = (layout.size, layout.size_no_padding);
@@ -159,7 +159,7 @@ impl Cases<'_> {
         push("uorb.long", "one byte longer than the full size", violated, resized(size + 1));
     }
 
-    /// CDR payloads that differ in the header or at the end.
+    /// Adds CDR payloads that differ in the header or at the end.
     fn cdr(&mut self, typical: &str) {
         let Some(bytes) = self.codec.encode(typical).cdr else { return };
         let big_endian = self.codec.big_endian(typical);

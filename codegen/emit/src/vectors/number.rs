@@ -243,7 +243,7 @@ impl<'s> NumberSamples<'s> {
         }
     }
 
-    /// The next higher or lower value of the field type.
+    /// The next higher value of the field type if `up` is true, otherwise the next lower value.
     #[allow(clippy::cast_possible_truncation)] // the value is a float32
     fn step(&self, number: Number, up: bool) -> Option<Number> {
         let next = match number {

@@ -39,7 +39,7 @@ impl FieldCases {
     }
 }
 
-/// The cases in which at most one field differs from the `zero` case, with the differing field.
+/// The cases in which at most one field differs from the `zero` case, each with this field.
 fn isolated(cases: &[Json]) -> Vec<(Option<&str>, &Json)> {
     let zero = cases[0]["json"].as_object().expect("the case of zeros comes first");
     let mut isolated = Vec::new();

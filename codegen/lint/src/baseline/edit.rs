@@ -14,12 +14,12 @@ use crate::edited;
 const HEAD: &str = "# Known findings, which don't count. State the reason for each one.\n";
 
 impl Lists {
-    /// The text of each list, with the fixes of findings and with the added entries.
+    /// The text of each list, with the fixes applied and the added entries appended.
     pub(super) fn texts_with(&self, fixes: &[Finding]) -> BTreeMap<SourceId, String> {
         let edits: BTreeSet<&Edit> = fixes.iter().flat_map(|finding| &finding.fix).collect();
         let text = |source: SourceId| {
             let mut end = 0;
-            // A value of a removed entry isn't changed.
+            // Don't change a value of an entry that is removed.
             let is_apart = |edit: &&Edit| {
                 let is_apart = self.sources.source_of(edit.span) == source && edit.span.start >= end;
                 end = if is_apart { edit.span.end } else { end };
@@ -75,7 +75,7 @@ fn extent(text: &str, entry: Range<usize>, before: usize, after: Option<usize>) 
     }
     let mut end = entry.end + line(&text[entry.end..]);
     let below: usize = text[end..].split_inclusive('\n').take_while(is_comment).map(str::len).sum();
-    // Comments directly above the next entry are about that entry.
+    // Keep comments directly above the next entry, because they are about that entry.
     if after.is_none_or(|after| line_start(after) != end + below) {
         end += below;
     }

@@ -47,7 +47,8 @@ pub(super) fn exact(names: &[String]) -> String {
     if others.is_empty() {
         return escape(first);
     }
-    // An alternative can't be empty. The text after the last common `/` is never empty.
+    // Split the names after the last common `/`, because an alternative can't be empty. The text after this `/` is
+    // never empty.
     let is_common = |end: &usize| others.iter().all(|name| name.starts_with(&first[..*end]));
     let start = first.rmatch_indices('/').map(|(at, _)| at + 1).find(is_common).unwrap_or(0);
     let rests = names.iter().map(|name| escape(&name[start..]).replace(',', "[,]"));

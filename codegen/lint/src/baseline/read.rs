@@ -28,7 +28,7 @@ pub(super) fn entries(
         let span = reader.whole.part(error.span().unwrap_or_default());
         reader.mistake("baseline-syntax", span, error.message(), "correct the TOML syntax");
     }
-    // A partly parsed list would only cause follow-up errors.
+    // Skip a partly parsed list, which would only cause follow-up errors.
     let mut entries = if errors.is_empty() { reader.list(table.get_ref()) } else { Vec::new() };
     reader.mistakes.sort_by_key(|mistake| mistake.span);
     entries.sort_by_key(|entry| entry.spans.header);
@@ -118,7 +118,7 @@ impl Reader<'_> {
             expires: span_of("expires"),
             whole: Span { start: header.start, end },
         };
-        // Reports print these texts within a line.
+        // Replace control characters, because reports print these texts within a line.
         let one_line = |text: &str| text.replace(char::is_control, " ");
         Some(Entry {
             rule: rule.map(str::to_owned),
@@ -135,7 +135,7 @@ impl Reader<'_> {
         })
     }
 
-    /// Checks which keys are together in an entry.
+    /// Checks that the keys of an entry may be combined.
     fn check_keys(&mut self, header: Span, table: &DeTable<'_>) {
         const ID: &str = "baseline-selector";
         let value = |key| table.get(key);

@@ -136,8 +136,8 @@ impl Versions<'_> {
         (step, old_name)
     }
 
-    /// The names of the definitions to compare. A definition that exists in only one release may have been renamed, so
-    /// it is compared with all definitions that exist only in the other release.
+    /// The names of the old and the new definitions to compare. A definition that exists in only one release may have
+    /// been renamed, so it is compared with all definitions that exist only in the other release.
     fn compared(&self, is_in_both: bool) -> (BTreeSet<&str>, BTreeSet<&str>) {
         let own = BTreeSet::from([self.name]);
         let Some((_, old)) = self.old.filter(|_| !is_in_both) else { return (own.clone(), own) };
@@ -179,7 +179,7 @@ impl Versions<'_> {
             if finding.rule == RENAMED && is_new {
                 old_name = place(sides.old).map(|path| renamed(self.name, path));
             }
-            // There is one finding for each category of users.
+            // Add a change only once, although there is one finding for each category of users.
             let own = format!("`{}.", stem(sources.path(sources.source_of(finding.span))));
             let change = change(&finding, &own, old, new);
             if step.changes.last() != Some(&change) {

@@ -137,7 +137,7 @@ fn restrictions(unit: Option<&str>, constraints: &[Constraint]) -> Vec<String> {
     unit.into_iter().chain(constraints).collect()
 }
 
-/// The parameters of a command between pipes, if anything is known about them.
+/// The parameters of a command, separated by pipes. Empty if nothing is known about them.
 fn parameters(constant: &Constant) -> String {
     let facts = constant.parameters.iter().map(|parameter| {
         let mut facts = restrictions(parameter.unit.as_deref(), &parameter.constraints);
@@ -176,7 +176,7 @@ mod tests {
         message.fields.iter().map(facts).collect()
     }
 
-    /// The facts about the fields, read from the release of a message.
+    /// Writes a message as a release, and returns the facts about its fields.
     fn fields_of_release(text: &str) -> Vec<Facts> {
         let release = write(&schema(text));
         fields(crate::release::entries(&release).next().expect("a message").text)

@@ -11,7 +11,7 @@ use super::model::{Region, Report};
 use super::totals::Totals;
 
 pub(super) fn write(report: &Report, totals: Option<&Totals>) -> String {
-    // GitHub displays only the first annotations of a step.
+    // Print the totals first, because GitHub displays only the first annotations of a step.
     let mut text = totals.filter(|totals| totals.count() > 0).map(summary).unwrap_or_default();
     for entry in &report.entries {
         let command = match entry.level {
@@ -44,7 +44,7 @@ fn region(region: Region) -> String {
     match region {
         Region::Whole | Region::Byte(_) => String::new(),
         Region::Line(line) => format!(",line={line}"),
-        // Columns are valid only within one line.
+        // Columns are valid only for a region within one line.
         Region::Text { start, end } if start.line == end.line => {
             format!(",line={0},endLine={0},col={1},endColumn={2}", start.line, start.column, end.column)
         }

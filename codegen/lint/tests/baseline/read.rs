@@ -123,7 +123,7 @@ count = -1
     assert_eq!(error, MISTAKES);
 }
 
-/// Lists that `check` wrote, lists that `lint` wrote, and lists with entries for both.
+/// Reads lists that `check` wrote, lists that `lint` wrote, and lists with entries for both.
 #[test]
 fn lists_of_all_commands_are_read() {
     let rule = "[[known]]\nrule = \"PX-RANGE-01\"\nreason = \"old\"\n";

@@ -30,7 +30,7 @@ pub(super) fn items(document: &Document<'_>, line: usize, before: &str) -> (usiz
     }
 }
 
-/// The items in a description: annotations, or the codes after `code`.
+/// The items in a description (annotations, or the codes after `code`), and the start of the text that they replace.
 fn description(document: &Document<'_>, text: &str, cell: usize) -> (usize, Vec<Item>) {
     if let Some(open) = open_bracket(text) {
         return (cell + open, units().chain(annotations_of_pages()).collect());

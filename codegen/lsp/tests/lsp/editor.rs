@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use tempfile::TempDir;
 use uavspec_lsp::serve;
 
-/// The history of every message.
+/// Invents a history for any message or item.
 fn invented(message: &str, item: Option<&str>) -> Vec<String> {
     vec![format!("since 1.0: {message} {}", item.unwrap_or("whole"))]
 }

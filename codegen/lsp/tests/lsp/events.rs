@@ -131,7 +131,7 @@ fn an_enum_is_found_in_all_files() {
     let text = editor.apply("common.json", &renamed["documentChanges"][0]["edits"]);
     assert_eq!(text, COMMON.replace("mode_t", "flank_t"));
     let error = editor.at("rename", "common.json", "\"relea^sed\"", name).expect_err("refused");
-    assert!(error.contains("id results from its name"), "{error}");
+    assert!(error.contains("id is derived from its name"), "{error}");
 }
 
 #[test]

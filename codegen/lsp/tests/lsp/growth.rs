@@ -1,4 +1,4 @@
-//! A session in one thread, whose allocations can be counted.
+//! A session that runs in one thread, so that its allocations can be counted.
 
 use std::fs;
 
@@ -49,7 +49,7 @@ pub(crate) fn edit_all(form: Form, files: &[(String, String)]) {
     }
     if let Some((name, text)) = files.last() {
         let last = text.lines().count() - 1;
-        // A type, a name, and an annotation or a column.
+        // The positions of a type, a name, and an annotation or a column.
         for (line, character) in [(0, 9), (1, 1), (1, 9), (last, 1), (last, 9), (last, 24)] {
             session.ask(&ABOUT_PLACES, &uri(name), line, character);
         }

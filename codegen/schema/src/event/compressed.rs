@@ -20,7 +20,7 @@ pub fn decompress(bytes: &[u8]) -> io::Result<Vec<u8>> {
     let mut reader = XzReader::new_mem_limit(bytes, false, MAX_XZ_MEMORY);
     let mut text = Vec::new();
     let first = reader.by_ref().take(MAX_EVENTS_LEN as u64).read_to_end(&mut text);
-    // The end of the stream contains the checksum.
+    // Read to the end of the stream, which contains the checksum.
     let rest = first.and_then(|_| reader.read(&mut [0])).map_err(|error| match error.kind() {
         ErrorKind::UnexpectedEof => io::Error::new(error.kind(), "truncated xz data"),
         kind => io::Error::new(kind, format!("corrupt xz data: {error}")),

@@ -113,7 +113,7 @@ impl Parser {
         self.reader.span(jsonc_parser::common::Ranged::range(value))
     }
 
-    /// A number that is the name of a member.
+    /// Parses the name of a member as a number from `min` to `max`. Reports any other name.
     fn number<N: TryFrom<i128>>(
         &mut self,
         key: &Located,
@@ -201,7 +201,7 @@ impl Parser {
         let is_bits = is_bits.unwrap_or_default();
         let mut entries = self
             .each_of(&members, "entries", |parser, key, member| parser.entry(key, member, scalar, is_bits));
-        // The first entry with a value is used.
+        // If several entries have the same value, use the first one.
         entries.sort_by_key(|entry| entry.value);
         let mut first: Option<EventEntry> = None;
         entries.retain(|entry| {
@@ -244,7 +244,7 @@ impl Parser {
         Some(EventEntry { value: value?, name: name?.text, description, span: key.span })
     }
 
-    /// A text of one line, which may be absent.
+    /// Reads the one-line text of an optional member. Empty if the member is absent.
     fn line(&mut self, members: &Members<'_, '_>, name: &'static str) -> String {
         let Some(line) = self.reader.text(members, name) else { return String::new() };
         if line.text.contains('\n') {
@@ -296,7 +296,8 @@ impl Parser {
         })
     }
 
-    /// The arguments. `None` if one of them can't be read, because the offsets of later arguments are then unknown.
+    /// Reads the arguments. Returns `None` if one of them can't be read, because the offsets of later arguments are
+    /// then unknown.
     fn arguments(&mut self, value: &Value<'_>) -> Option<Vec<ArgumentSource>> {
         let list = self.reader.list(value, "arguments")?;
         let arguments: Vec<Option<ArgumentSource>> = list.iter().map(|value| self.argument(value)).collect();

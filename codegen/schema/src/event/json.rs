@@ -15,7 +15,8 @@ pub(crate) struct Located {
     pub(crate) span: Span,
 }
 
-/// Parses event metadata, for the locations of its values. `None` if it is invalid JSON or too long.
+/// Parses event metadata to locate its values. Returns `None` if the text is invalid JSON or too
+/// long.
 pub fn syntax(text: &str) -> Option<Value<'_>> {
     Reader::new(Span::default()).parse(text)
 }
@@ -54,7 +55,8 @@ impl Reader {
             self.report(problem, self.source.part(0..0));
             return None;
         }
-        // Each value follows one of these characters. Some are in strings, so there may be fewer values.
+        // Each value follows one of these characters, so their count is an upper bound. Some of them may
+        // be in strings.
         if text.bytes().filter(|byte| matches!(byte, b'{' | b'[' | b',')).count() > MAX_EVENT_VALUES {
             self.report(Problem::TooManyEventValues { max: MAX_EVENT_VALUES }, self.source.part(0..0));
             return None;
@@ -91,13 +93,13 @@ impl Reader {
     }
 
     fn wrong_type<T>(&mut self, value: &Value<'_>, what: &str, expected: &'static str) -> Option<T> {
-        // Names of members have no spaces.
+        // Only quote names of members, which contain no spaces.
         let what = if what.contains(' ') { what.to_owned() } else { format!("`{what}`") };
         self.report(Problem::MemberType { what, expected }, self.span(value.range()));
         None
     }
 
-    /// The members of an object, in order.
+    /// Returns the members of an object, in order. Reports a value of another type.
     pub(super) fn object<'v, 's>(
         &mut self,
         value: &'v Value<'s>,
@@ -109,7 +111,7 @@ impl Reader {
         }
     }
 
-    /// The elements of a list.
+    /// Returns the elements of a list. Reports a value of another type.
     pub(super) fn list<'v, 's>(&mut self, value: &'v Value<'s>, what: &str) -> Option<&'v [Value<'s>]> {
         match value {
             Value::Array(list) => Some(&list.elements),
@@ -166,7 +168,7 @@ impl Reader {
         Located { text: member.name.as_str().to_owned(), span: self.span(member.name.range()) }
     }
 
-    /// The value of a member that must exist.
+    /// Returns the value of a member. Reports a missing member.
     pub(super) fn require<'v, 's>(
         &mut self,
         members: &Members<'v, 's>,
@@ -179,13 +181,13 @@ impl Reader {
         found
     }
 
-    /// The text of a member that must exist.
+    /// Returns the text of a member. Reports a missing member, and a value of another type.
     pub(super) fn required_text(&mut self, members: &Members<'_, '_>, name: &'static str) -> Option<Located> {
         let value = self.require(members, name)?;
         self.string(value, name)
     }
 
-    /// The text of a member that may be absent.
+    /// Returns the text of an optional member. Reports a value of another type.
     pub(super) fn text(&mut self, members: &Members<'_, '_>, name: &'static str) -> Option<Located> {
         members.get(name).and_then(|value| self.string(value, name))
     }

@@ -132,7 +132,7 @@ impl<'s> Reader<'s, '_> {
         }
     }
 
-    /// Reports a regular expression with unbalanced brackets, whose end can't be determined.
+    /// Reports a regular expression whose end can't be determined, because its brackets are unbalanced.
     fn report_open_pattern(&mut self, start: usize) {
         if self.vocabulary == Vocabulary::Page && self.text[start..].starts_with(PATTERN) {
             let text = self.text[start + 1..].chars().take(MAX_UNIT_LEN).collect();
@@ -174,7 +174,7 @@ impl<'s> Reader<'s, '_> {
                     copied = end;
                     from = end;
                 }
-                // An annotation at the start was already reported.
+                // Skip an annotation at the start, which was already reported.
                 Reading::Text(Some(problem)) if !self.text[self.at..start].trim().is_empty() => {
                     self.report(problem, start..end);
                 }
@@ -302,7 +302,7 @@ fn classify(vocabulary: Vocabulary, content: &str, in_parentheses: bool) -> Read
     Reading::Text(None)
 }
 
-/// Units are letters with exponents, slashes and parentheses: `(m/s^2)^2`, `°C`, `%`.
+/// True if the text looks like a unit: letters with exponents, slashes and parentheses, as in `(m/s^2)^2`, `°C` or `%`.
 fn looks_like_unit(content: &str) -> bool {
     let starts = content.starts_with(|c: char| c.is_alphabetic() || matches!(c, '(' | '%' | '°'));
     let words = content.split_ascii_whitespace().count();

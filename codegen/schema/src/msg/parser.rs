@@ -55,7 +55,7 @@ pub(super) fn parse(
             if let (Some(at), Some(part)) = (line.find('#'), parts.last_mut()) {
                 let (line, span) = (&line[at..], place.part(at..line.len()));
                 let comment = LineParser { line, span, at: 0, dialect, diagnostics: &mut diagnostics }.line();
-                // Without the blank line, the comment could become the comment of the part.
+                // Without the blank line, the comment could become the documentation of the part.
                 part.lines.extend([Line::blank(span), comment]);
             }
             if parts.len() < expected {
@@ -118,7 +118,7 @@ impl<'s> LineParser<'s, '_> {
         line
     }
 
-    /// Reports spaces before a declaration. rosidl takes them for an empty type.
+    /// Reports spaces before a declaration. rosidl interprets them as an empty type.
     fn check_indent(&mut self) {
         if self.dialect == Dialect::Ros2 && self.at > 0 && !self.is_at_end() {
             let text = self.line.split('#').next().unwrap_or(self.line).trim_end().to_owned();

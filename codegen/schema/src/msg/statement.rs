@@ -67,7 +67,8 @@ pub(crate) const FORMATS: [&str; 1] = ["base64"];
 /// A prefix of constant names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Prefix<'s> {
-    /// The message that defines the constants, if it is a different message: `Message.PREFIX`.
+    /// The message that defines the constants, as in `Message.PREFIX`. `None` for the message with
+    /// the annotation.
     pub message: Option<&'s str>,
     /// The prefix, without the `_` that follows it.
     pub prefix: &'s str,

@@ -1,6 +1,6 @@
 //! Splitting of text into words.
 
-/// Splits a text after the first word.
+/// Splits a text into its first word and the rest.
 pub fn split_word(text: &str) -> (&str, &str) {
     let end = text.find([' ', '\t']).unwrap_or(text.len());
     (&text[..end], text[end..].trim())

@@ -253,7 +253,7 @@ mod tests {
         (tables, diagnostics.iter().map(shown).collect())
     }
 
-    /// A page that contains these rows under a heading for warnings.
+    /// Builds a page that contains these rows under a heading for warnings.
     fn warnings(rows: &[&str]) -> String {
         format!("# Warnings (codes 64-127)\n|Code|Abbr|Description|\n|-|-|-|\n{}\n", rows.join("\n"))
     }

@@ -105,7 +105,8 @@ impl Events {
         self.add(diagnostic);
     }
 
-    /// Adds a component without its events, so that events can refer to all enums.
+    /// Adds a component without its events. The events are resolved later, when all enums are
+    /// known.
     fn declare(&mut self, id: u8, parts: &[&ComponentSource]) {
         let namespace = parts[0].namespace.text.clone();
         let mut enums = BTreeMap::new();
@@ -290,7 +291,7 @@ impl Events {
     }
 }
 
-/// The distinct mistakes in a text of an event with this number of arguments.
+/// The distinct mistakes in a text of an event with `count` arguments.
 fn mistakes(text: Text<'_>, count: usize) -> Vec<String> {
     let mut found: Vec<String> = Vec::new();
     let pieces: Vec<Piece<'_>> = text.pieces().collect();
@@ -298,7 +299,8 @@ fn mistakes(text: Text<'_>, count: usize) -> Vec<String> {
     for piece in pieces {
         match piece {
             Piece::Plain(plain) => {
-                // A stray start character also explains a stray end character.
+                // Report a stray end character only without a stray start character, which would
+                // explain both.
                 let stray = plain.chars().filter(|c| *c == '>' && !has_tag || *c == '}' && !has_brace);
                 found.extend(stray.map(|stray| {
                     format!("`{stray}` has no matching start; write `\\{stray}` for the character")

@@ -42,7 +42,7 @@ pub(super) struct Resolver<'s> {
     pub(super) constants: HashMap<&'s str, Value>,
     /// The enums created so far; `None` for enums without members.
     pub(super) gathered: HashMap<EnumKey, Option<EnumRef>>,
-    /// The constants of each message with enums, by prefix.
+    /// For each message with enums, its constants by prefix.
     pub(super) by_prefix: HashMap<MessageId, ByPrefix>,
     /// The total number of enum members.
     pub(super) members: usize,
@@ -67,7 +67,7 @@ pub(super) fn id(index: usize) -> MessageId {
     MessageId(offset(index))
 }
 
-/// An index into a list that has fewer entries than there are source bytes.
+/// Converts an index to a `u32`. The list has fewer entries than there are source bytes.
 pub(super) fn offset(index: usize) -> u32 {
     u32::try_from(index).unwrap_or(u32::MAX)
 }

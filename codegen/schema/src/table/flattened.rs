@@ -92,7 +92,7 @@ fn heads(lines: &[Line<'_>]) -> Vec<Head> {
 }
 
 fn heading((at, line): Line<'_>, page: Span) -> Heading {
-    // Some dumps keep the heading marks.
+    // Skip the heading marks, which some dumps keep.
     let marks = line.len() - line.trim_start_matches(['#', ' ']).len();
     let mut builder = TextBuilder::new(page);
     builder.push(&line[marks..], at + marks);

@@ -23,7 +23,7 @@ struct Piece {
 /// The source of a piece.
 #[derive(Clone, Debug, PartialEq)]
 enum Source {
-    /// The source from the start of this location is identical to the piece.
+    /// The source text that starts at this location is identical to the piece.
     Same(Span),
     /// The source at this location has another form, such as `&amp;` for `&`.
     Other(Span),

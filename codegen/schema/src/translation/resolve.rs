@@ -61,7 +61,7 @@ fn check_header(
     diagnostics: &mut Vec<Diagnostic>,
 ) {
     let Some(header) = catalogue.header() else {
-        // The unreadable part may be the header.
+        // If an entry is unreadable, it may be the header, so don't report a missing header.
         if diagnostics.is_empty() {
             diagnostics.push(Diagnostic::new(Problem::CatalogueHeader, start));
         }

@@ -192,7 +192,7 @@ pub fn event_key(package: &Package, component: &EventComponent, name: &str) -> S
     format!("{}/{}::{name}", package.name, component.namespace)
 }
 
-/// The components of a package with translated texts. Texts without a translation stay unchanged.
+/// The components of a package, with their texts translated. Texts without a translation stay unchanged.
 pub fn in_language(package: &Package, language: &Language) -> Vec<EventComponent> {
     let mut components = package.components.clone();
     let translate = |key: &str, text: &mut String| {

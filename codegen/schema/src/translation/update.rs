@@ -82,7 +82,7 @@ fn bring_up_to_date(mut entry: Entry, text: &Text<'_>, sources: &SourceMap) -> E
     entry.is_obsolete = false;
     entry.context = Some(text.key.clone());
     let path = sources.path(sources.source_of(text.span));
-    // An absolute path is specific to one machine.
+    // Omit an absolute path, which is specific to one machine.
     entry.references = if Path::new(path).is_relative() { vec![path.to_owned()] } else { Vec::new() };
     entry.notes = if text.note.is_empty() { Vec::new() } else { vec![text.note.clone()] };
     let is_changed = entry.id != text.text;

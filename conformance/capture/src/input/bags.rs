@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::Files;
 use crate::rosbag::metadata::{FILE_NAME, Metadata};
 
-/// Puts the folder of a bag in place of the files that its `metadata.yaml` lists. `from` is the index of the first
+/// Replaces the files that a bag's `metadata.yaml` lists with the bag's folder. `from` is the index of the first
 /// capture to consider. Other files in the folder of a bag stay separate captures.
 pub(super) fn group(files: &mut Files, from: usize) {
     let mut bags: BTreeMap<PathBuf, BTreeSet<String>> = BTreeMap::new();

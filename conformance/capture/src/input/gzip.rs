@@ -9,7 +9,7 @@ use super::padding::skip_zeros;
 /// The first bytes of a member.
 pub(super) const MAGIC: [u8; 2] = [0x1f, 0x8b];
 
-/// The maximum number of bytes to decompress at a time. At corrupt data, the decoder loses at most the bytes of one
+/// The maximum number of bytes to decompress at a time. If data is corrupt, the decoder loses the bytes of at most one
 /// piece.
 const PIECE: usize = 4_096;
 

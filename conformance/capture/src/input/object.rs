@@ -34,7 +34,8 @@ pub struct Listed {
 }
 
 impl Listed {
-    /// The problem of a URL without captures. Stores list whole folders only.
+    /// The error for a URL without captures. An incomplete folder name also has none, because stores list whole folders
+    /// only.
     pub const NOTHING: &str =
         "no captures at this URL: expected a capture, a folder, or a list on a web server";
 }
@@ -44,13 +45,13 @@ impl Listed {
 pub struct Failure(Arc<Mutex<Option<String>>>);
 
 impl Failure {
-    /// Sets the reason. Only the first one counts.
+    /// Sets the reason, unless there already is one.
     pub fn set(&self, problem: &str) {
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         known.get_or_insert_with(|| problem.to_owned());
     }
 
-    /// The first reason since the last call.
+    /// Removes and returns the reason, if there is one.
     pub fn take(&self) -> Option<String> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).take()
     }

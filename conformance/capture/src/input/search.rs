@@ -27,8 +27,8 @@ pub(super) enum Found {
     Unreadable(PathBuf, String),
 }
 
-/// Passes everything in a folder and its subfolders to `take`, except for folders, sorted by path. Unreadable
-/// subfolders don't end the search.
+/// Passes the entries of a folder and its subfolders to `take`, sorted by path, but not the subfolders themselves.
+/// Unreadable subfolders don't end the search.
 pub(super) fn search(folder: &Path, max_depth: usize, mut take: impl FnMut(Found)) {
     let mut links = 0;
     let walk = WalkDir::new(folder).follow_links(true).max_depth(max_depth).sort_by_file_name();

@@ -10,7 +10,7 @@ const START: usize = 4;
 
 /// Decompresses `input` if it starts with the magic of gzip or zstd. Other input stays unchanged. Only the first bytes
 /// are read in advance. The input may contain several consecutive gzip members or zstd frames, and zeros after them.
-/// Reading fails if other data follows them. The flag is true if the input is unchanged.
+/// Reading fails if other data follows them. The returned flag is true if the input is unchanged.
 ///
 /// All bytes before an error can be read. The error then repeats.
 pub fn decompressed(mut input: impl Read + Send + 'static) -> io::Result<(Box<dyn Read + Send>, bool)> {

@@ -38,7 +38,7 @@ mod tests {
 
     use super::*;
 
-    /// Decompresses frames with each implementation. They accept the same input.
+    /// Decompresses frames with each implementation, and asserts that their results are equal.
     fn decompressed(input: &[u8]) -> io::Result<Vec<u8>> {
         let read = |frames: &mut dyn Read| {
             let mut bytes = Vec::new();

@@ -24,7 +24,7 @@ impl Tally {
     }
 }
 
-/// The items of a kind that a file contains, and the items that its index lists.
+/// The items of one kind that a file contains, and the items of this kind that its index lists.
 #[derive(Clone, Copy, Debug, Default)]
 struct Indexed {
     found: Tally,
@@ -56,7 +56,7 @@ pub(super) struct Census {
     pub(super) channels: Ids,
     /// The number of messages of each channel.
     messages: BTreeMap<u16, u64>,
-    /// Offsets, lengths and sizes.
+    /// The chunks, each with its offset, its length and its sizes.
     chunks: Indexed,
     attachments: Indexed,
     metadata: Indexed,
@@ -81,8 +81,8 @@ impl Census {
         }
     }
 
-    /// Adds a chunk: its offset, its length, the size of its records, and their compressed size. Returns the problem with
-    /// the indexes of the chunk before it.
+    /// Adds a chunk: its offset, its length, the size of its records, and their compressed size. If the message indexes
+    /// of the previous chunk are wrong, returns the offset of that chunk and the problem.
     pub(super) fn chunk(&mut self, facts: [u64; 4]) -> Option<(u64, Problem)> {
         let problem = self.close_chunk();
         self.chunk.0 = facts[0];
@@ -104,7 +104,8 @@ impl Census {
         self.attachments.found.add([offset, length]);
     }
 
-    /// Takes a record whose content isn't passed on.
+    /// Counts a record, or stores the index or the statistics that it contains. Returns a problem if its content is
+    /// invalid.
     pub(super) fn record(&mut self, opcode: u8, offset: u64, length: u64, body: &[u8]) -> Option<Problem> {
         let is_read = match opcode {
             op::METADATA => {
@@ -181,7 +182,7 @@ fn place(body: &[u8]) -> Option<[u64; 2]> {
     Some([parts.u64()?, parts.u64()?])
 }
 
-/// The facts in the index about a chunk: its offset, its length, the size of its records, and their compressed size.
+/// Parses a chunk index. Returns the chunk's offset, its length, the size of its records, and their compressed size.
 fn chunk_index(body: &[u8]) -> Option<[u64; 4]> {
     let mut parts = Parts(body);
     parts.take(16)?;
@@ -193,7 +194,7 @@ fn chunk_index(body: &[u8]) -> Option<[u64; 4]> {
     Some([offset, length, size, packed])
 }
 
-/// The numbers of records, according to a file's statistics.
+/// Parses a statistics record, which contains the numbers of records.
 fn statistics(body: &[u8]) -> Option<Statistics> {
     match mcap::parse_record(op::STATISTICS, body) {
         Ok(Record::Statistics(found)) => Some(found),

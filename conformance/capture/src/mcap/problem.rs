@@ -229,11 +229,11 @@ impl fmt::Display for Problem {
             ),
             Self::Count { noun, stated, found } => write!(
                 formatter,
-                "the statistics of the file count {} {noun}, but it contains {}",
+                "the statistics of the file say {} {noun}, but the file contains {}",
                 thousands(stated),
                 thousands(found)
             ),
-            Self::Index { noun } => write!(formatter, "the index of the {noun} doesn't match them"),
+            Self::Index { noun } => write!(formatter, "the index doesn't match the {noun}"),
         }
     }
 }

@@ -39,7 +39,7 @@ pub struct Reader<R> {
     has_header: bool,
     /// The offset of the summary in the current file, once it has been reached.
     summary: Option<u64>,
-    /// True if the current file had no problems so far.
+    /// True if the current file has had no problems so far.
     is_sound: bool,
 }
 
@@ -349,7 +349,8 @@ impl<R: Read> Reader<R> {
         }
     }
 
-    /// Counts the record at the cursor, whose end is given, and compares the end of the data with it.
+    /// Counts the record at the cursor, which is `end` bytes long. If it is an end-of-data record, also verifies its
+    /// checksum and the indexes of the latest chunk.
     fn count(&mut self, offset: u64, opcode: u8, end: usize) {
         if opcode == op::DATA_END {
             self.close_chunk();
@@ -482,8 +483,8 @@ impl<R: Read> Reader<R> {
         Ok(())
     }
 
-    /// The first start of a valid record in a range of the buffered bytes. A record is checked up to a fixed length,
-    /// because the result must not depend on the number of bytes that a read returned.
+    /// The first position in a range of the buffered bytes at which a valid record starts. A record is checked up to a
+    /// fixed length, because the result must not depend on the number of bytes that a read returned.
     fn sound_record(&self, from: usize, until: usize) -> Option<usize> {
         let ahead = self.file.ahead();
         let is_sound_at = |at: &usize| {

@@ -88,7 +88,7 @@ impl ChunkHead {
     }
 }
 
-/// The head of an attachment. The texts include their lengths.
+/// The head of an attachment. Each of its texts includes its length prefix.
 #[derive(Clone, Copy, Debug)]
 pub struct AttachmentHead<'b> {
     /// The log time and the creation time.

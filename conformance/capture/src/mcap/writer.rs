@@ -41,7 +41,7 @@ pub fn attachment_body(name: &str, media_type: &str, data: &[u8]) -> Vec<u8> {
     body
 }
 
-/// Writes a file from start to end. It contains all indexes.
+/// Writes a file from start to end, including all indexes.
 pub struct Writer<W> {
     output: W,
     /// The number of bytes written.
@@ -205,7 +205,7 @@ impl<W: Write> Writer<W> {
         Ok((offset, self.position - offset))
     }
 
-    /// Writes all records so far to the output.
+    /// Writes all records that have been added so far to the output.
     pub fn flush(&mut self) -> io::Result<()> {
         self.close_chunk()?;
         self.output.flush()

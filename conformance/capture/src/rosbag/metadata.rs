@@ -22,7 +22,7 @@ const ROOT: &str = "rosbag2_bagfile_information";
 /// The key of the list of topics.
 const TOPICS: &str = "topics_with_message_count";
 
-/// The metadata of a bag contains at least one of these texts, even if parts are corrupt.
+/// The texts that identify the metadata of a bag. At least one of them is expected, even if parts are corrupt.
 const MARKS: [&str; 3] = [ROOT, TOPICS, FILES];
 
 /// The key of the list of files.
@@ -92,8 +92,8 @@ pub fn open(path: &Path) -> io::Result<File> {
 }
 
 impl Metadata {
-    /// Reads the metadata of the bag in a folder. Returns `None` if the file isn't the metadata of a bag. If parts of it
-    /// can't be read, all bags in the folder count as listed.
+    /// Reads the metadata of the bag in a folder. Returns `None` if the file isn't the metadata of a bag. If parts of
+    /// the file can't be read, all bag files in the folder count as listed.
     pub fn read(folder: &Path) -> io::Result<Option<Self>> {
         let mut text = Vec::new();
         open(&folder.join(FILE_NAME))?.take(MAX_METADATA as u64 + 1).read_to_end(&mut text)?;
@@ -104,7 +104,7 @@ impl Metadata {
         Ok(Some(found))
     }
 
-    /// Adds the bags in the folder to the listed files.
+    /// Adds the bag files in the folder that aren't listed yet.
     fn add_unlisted(&mut self, folder: &Path) -> io::Result<()> {
         let mut names = Vec::new();
         for entry in fs::read_dir(folder)? {
@@ -184,7 +184,7 @@ impl Metadata {
         }
     }
 
-    /// Takes a value of the document.
+    /// Stores a value of the document.
     fn set(&mut self, levels: &[Level], value: &str, entry: &mut Entry) {
         match keys(levels)[..] {
             [ROOT, "storage_identifier"] => value.clone_into(&mut self.storage),
@@ -208,7 +208,7 @@ impl Metadata {
         }
     }
 
-    /// Takes the entry that ends here, if it belongs to a list of topics or files.
+    /// Stores the entry that ends here, if it belongs to a list of topics or files.
     fn end(&mut self, levels: &[Level], entry: &mut Entry) {
         let is_topic = match keys(levels)[..] {
             [ROOT, TOPICS, ""] => true,
@@ -245,8 +245,8 @@ fn keys(levels: &[Level]) -> Vec<&str> {
     levels.iter().map(|level| level.key.as_deref().unwrap_or_default()).collect()
 }
 
-/// The name of a file in the folder. Old versions of rosbag2 write paths relative to the parent folder. The files are in
-/// the folder.
+/// The file name at the end of a path. Old versions of rosbag2 write paths relative to the parent folder, although the
+/// files are in the bag's folder.
 fn name_of(path: &str) -> Option<&str> {
     path.rsplit(['/', '\\']).next().filter(|name| !matches!(*name, "" | "." | ".."))
 }
@@ -313,7 +313,7 @@ mod tests {
         assert!(parse(&long).expect("metadata").problems[0].starts_with("it is longer than"));
     }
 
-    /// The work and the memory for a document are proportional to its length, not to its depth.
+    /// Reading a document takes time and memory in proportion to its length, not to its depth.
     #[test]
     fn deep_documents_end_early() {
         for part in ["- ", "? ", "- ? "] {

@@ -72,13 +72,13 @@ const MESSAGES: &str = "messages";
 /// The table of the messages, and the column of their payloads.
 const PAYLOADS: (&CStr, &CStr) = (c"messages", c"data");
 
-/// Reads the messages by time and then by row, with the index of the times if there is one.
+/// The end of a query that reads the messages by time and then by row, with the index of the times if there is one.
 const BY_TIME: &str = "messages ORDER BY timestamp, rowid";
 
-/// Like [`BY_TIME`], from the table alone.
+/// Like [`BY_TIME`], but without the index.
 const BY_TIME_WITHOUT_INDEX: &str = "messages NOT INDEXED ORDER BY timestamp, rowid";
 
-/// Reads the messages by row.
+/// The end of a query that reads the messages by row.
 const BY_ROW: &str = "messages NOT INDEXED ORDER BY rowid";
 
 /// The table of the definitions of message types.
@@ -87,7 +87,7 @@ const DEFINITIONS: &str = "message_definitions";
 /// The size of the file header, in bytes.
 const HEADER: u64 = 100;
 
-/// The first bytes of a journal whose transaction didn't finish.
+/// The first bytes of the journal of an unfinished transaction.
 const JOURNAL_MAGIC: [u8; 8] = [0xd9, 0xd5, 0x05, 0xf9, 0x20, 0xa1, 0x63, 0xd7];
 
 /// A bag that is being read.
@@ -220,7 +220,7 @@ impl Bag {
         Ok((bag, problems))
     }
 
-    /// Ends statements that exceed the budget.
+    /// Makes `SQLite` end statements that exceed the budget.
     fn bound_work(&self) -> Result<(), Problem> {
         let used = Arc::clone(&self.used);
         let budget = BUDGET.0 + self.size.saturating_mul(BUDGET.1) / u64::from(INSTRUCTIONS.unsigned_abs());
@@ -316,8 +316,8 @@ impl Bag {
             (Ok(_), _) => {
                 self.messages_in(BY_TIME_WITHOUT_INDEX, &mut take)?;
                 Err(Problem::gap(
-                    "the index of the times doesn't match the messages, which were read without it; `REINDEX` of \
-                     SQLite repairs it",
+                    "the time index doesn't match the messages, so they were read without it; SQLite's `REINDEX` \
+                     repairs it",
                 ))
             }
             // The first problem is the cause, so a second problem isn't reported.
@@ -472,7 +472,7 @@ impl Bag {
     }
 }
 
-/// The problem of a database whose messages are larger than the file.
+/// The error for a database whose messages need more space than the file has.
 fn too_many() -> Problem {
     Problem::gap("the messages are larger than the file: the database is corrupt")
 }
@@ -480,12 +480,12 @@ fn too_many() -> Problem {
 /// Fails if a table lacks a column.
 fn require(existing: &[String], table: &str, column: &str) -> Result<(), Problem> {
     if existing.is_empty() {
-        return Err(Problem::gap(format!("the database is no bag: it has no table `{table}`")));
+        return Err(Problem::gap(format!("the database is not a bag: it has no table `{table}`")));
     }
     if existing.iter().any(|known| known == column) {
         return Ok(());
     }
-    Err(Problem::gap(format!("the database is no bag: its table `{table}` has no column `{column}`")))
+    Err(Problem::gap(format!("the database is not a bag: its table `{table}` has no column `{column}`")))
 }
 
 /// A text value. Bytes that aren't UTF-8 are replaced.
@@ -496,7 +496,7 @@ fn text(row: &Row<'_>, index: usize) -> rusqlite::Result<String> {
     })
 }
 
-/// The start of a text value that is a name.
+/// Reads a name from a text value. A very long name is truncated.
 fn name(row: &Row<'_>, index: usize) -> rusqlite::Result<String> {
     Ok(text(row, index)?.chars().take(MAX_NAME).collect())
 }
@@ -545,7 +545,7 @@ fn uri(path: &Path) -> String {
     uri + "?immutable=1"
 }
 
-/// The problem of a bag whose last messages are in a second file, because its writer didn't finish.
+/// The problem, if any, that the bag's last messages are in a second file because its writer didn't finish.
 fn unfinished(path: &Path) -> Option<Problem> {
     let other = |suffix: &str| {
         let mut name = path.as_os_str().to_owned();

@@ -32,7 +32,7 @@ pub struct Log {
     /// True after the end of the definitions section.
     is_in_data: bool,
     is_limit_reported: bool,
-    /// True if the type of a subscription was resolved since all bindings were stale.
+    /// True if the type of a subscription has been resolved since all bindings were last marked as stale.
     has_bindings: bool,
 }
 

@@ -233,7 +233,7 @@ impl<'b> Payload<'b> {
         Ok(*taken)
     }
 
-    /// Takes a value after which nothing may follow.
+    /// Takes a value that must be the last in the payload. Fails if bytes follow it.
     fn only<T>(
         &mut self,
         take: impl FnOnce(&mut Self) -> Result<T, Malformation>,

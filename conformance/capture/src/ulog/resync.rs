@@ -41,7 +41,7 @@ pub(super) enum Beginning {
     Message(Header),
     /// A message or header that extends beyond the end.
     Truncated,
-    /// A number of invalid bytes, followed by a message.
+    /// This many invalid bytes, followed by a message.
     Skip(usize, Resync),
     /// Invalid bytes. The next message starts at least this many bytes later.
     Lost(usize),
@@ -106,8 +106,8 @@ impl Ids {
         payload.first_chunk().map_or(UNSUBSCRIBED, |id| self.sizes[usize::from(u16::from_le_bytes(*id))])
     }
 
-    /// True if a message with this id is possible: the id is subscribed but its size is unknown, or no ids are
-    /// subscribed.
+    /// True if a message with the id at the start of `payload` is possible: the id is subscribed and the size of its
+    /// messages is unknown, or no ids are subscribed.
     fn allow(&self, payload: &[u8]) -> bool {
         self.is_empty || self.size(payload) == UNSEEN
     }

@@ -18,7 +18,7 @@ fn ends(bytes: &[u8], messages: &[Seen]) -> Vec<u64> {
     messages.iter().skip(1).map(|message| message.offset).chain([bytes.len() as u64]).collect()
 }
 
-/// The number of common messages. The messages in `after` are `shift` bytes later.
+/// The number of messages that appear both in `before` and, `shift` bytes later, in `after`.
 fn shared(before: &[Seen], after: &[Seen], shift: u64) -> usize {
     let after: HashSet<(u64, u64)> = after.iter().map(|seen| (seen.offset, seen.digest)).collect();
     before.iter().filter(|seen| after.contains(&(seen.offset + shift, seen.digest))).count()
@@ -83,7 +83,7 @@ fn finds_most_messages_of_corrupt_real_logs() {
     for (at, name) in names.into_iter().enumerate() {
         let log = fs::read(logs.join(format!("{name}.ulg"))).expect("a log");
         let whole = messages(&log);
-        // Corrupts forty locations after the definitions, each of which affects one or two messages.
+        // Corrupts forty places after the definitions. Each of these changes affects one or two messages.
         let first = log.len() / 8;
         let step = (log.len() - first) / 40;
         for round in 0..4 {
@@ -93,7 +93,8 @@ fn finds_most_messages_of_corrupt_real_logs() {
                 let noise = if round == 3 { vec![0; 25] } else { random.bytes(4 + 13 * round) };
                 corrupt[start..start + noise.len()].copy_from_slice(&noise);
             }
-            // In quick mode, one corrupt copy of each log is read, each with noise of another length.
+            // In quick mode, only one corrupt copy of each log is read. The length of the noise differs between the
+            // logs.
             if round != extent(round, at) {
                 continue;
             }
@@ -187,7 +188,7 @@ fn finds_a_log_surrounded_by_noise() {
     }
 }
 
-/// Bytes that maximize the work of the search, or that make messages uncertain.
+/// The inputs maximize the work of the search, or contain uncertain messages.
 #[test]
 fn reads_hostile_bytes_in_linear_time() {
     let size = extent(1_000_000, 80_000);

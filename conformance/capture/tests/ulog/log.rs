@@ -83,7 +83,7 @@ fn reports_unusable_and_late_formats() {
     assert_eq!(problems(&log.bytes).1, 4);
 }
 
-/// After a second declaration with different fields, the layout of the data is unknown.
+/// If a format is declared twice with different fields, the layout of its data is unknown.
 #[test]
 fn returns_no_data_of_ambiguous_formats() {
     let mut log = Writer::with_flags();

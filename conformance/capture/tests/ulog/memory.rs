@@ -37,7 +37,8 @@ impl Read for &mut Endless {
     }
 }
 
-/// The number of messages, and the problems other than the end of the log.
+/// Reads a log that starts with `start` and then repeats `pattern`. Returns the number of data messages, and the
+/// problems.
 fn count(start: Vec<u8>, pattern: &[u8]) -> (u64, Vec<Problem>) {
     let pattern = pattern.repeat((1 << 20) / pattern.len());
     let mut input = Endless { start, pattern, position: 0, size: size(), largest_request: 0 };

@@ -38,11 +38,11 @@ struct Content {
     flags: Option<([u8; 8], [u8; 8])>,
     dropout_ms: u64,
     information: Map<String, Json>,
-    /// For each key of a multi-information message, the number of parts of each of its values.
+    /// For each key of multi-information messages, the number of parts that each value has.
     multi: BTreeMap<String, Vec<u64>>,
     initial: Map<String, Json>,
     changed: u64,
-    /// Defaults by bit.
+    /// Default parameters, by the bit that denotes the kind of default.
     defaults: BTreeMap<String, Map<String, Json>>,
     lines: Vec<Json>,
     tagged: BTreeMap<String, u64>,

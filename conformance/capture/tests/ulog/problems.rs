@@ -297,7 +297,7 @@ fn reads_the_largest_messages() {
     assert_eq!(problems(&log.bytes).1, 40);
 }
 
-/// The size of a topic may change, for example if data is written with or without padding.
+/// The size of a topic's messages may change, for example if only some are written with padding.
 #[test]
 fn returns_data_of_another_size_as_uncertain() {
     let mut log = definitions();

@@ -20,7 +20,7 @@ use crate::coverage::Share;
 
 /// A decoded message.
 pub(super) struct Seen {
-    /// The `timestamp` field, if there is one.
+    /// The value of the `timestamp` field, if there is one.
     pub(super) timestamp: Option<u64>,
     /// The field values in memory layout, if they are needed.
     pub(super) memory: Option<Vec<u8>>,
@@ -86,8 +86,8 @@ impl CdrChecker {
         }
     }
 
-    /// The fields that are checked, and all fields of the messages. If the schema in the file differs from the
-    /// definition, only the shared fields are checked.
+    /// The share of the messages' fields that are checked. If the schema in the file differs from the definition, only
+    /// the shared fields are checked.
     pub(super) fn fields(&self, definitions: &Definitions) -> Share {
         let message_type = self.source.message_type(definitions);
         let num_fields = message_type.fields().len() as u64;
@@ -179,7 +179,7 @@ impl CdrChecker {
     }
 }
 
-/// Decompresses a payload if rosbag2 compressed each message separately. Zstd data can't be mistaken for an
+/// Decompresses a payload if rosbag2 compressed each message separately. Zstd data can't be confused with an
 /// encapsulation header.
 pub fn decompressed(payload: &[u8]) -> Result<Cow<'_, [u8]>, String> {
     if !payload.starts_with(&ZSTD) {

@@ -26,7 +26,8 @@ use crate::topic::{full_name, plain};
 /// The length of an MCAP file's footer record with the magic at the end of the file, in bytes.
 const FOOTER: usize = 9 + 20 + 8;
 
-/// Reads the declarations in an MCAP file: from its summary, if it shows all types, or otherwise from its start.
+/// Reads the declarations in an MCAP file: from its summary, if the summary shows all types; otherwise, from the start
+/// of the file.
 pub(super) fn mcap(source: &mut Source<'_>) -> Clues {
     let summary = source.file.and_then(summary).map(declarations).unwrap_or_default();
     let summary = Clues { distribution: source.file.and_then(indexed_distribution), ..summary };
@@ -44,7 +45,7 @@ pub(super) fn mcap(source: &mut Source<'_>) -> Clues {
     clues
 }
 
-/// Adds the facts in another part of a bag. Each part may contain the hash or the size of a type, or neither.
+/// Adds the facts in another file of a bag. Each file may contain the hash or the size of a type, or neither.
 pub(super) fn merge(clues: &mut Clues, others: Clues) {
     for (name, versions) in others.topic_versions {
         clues.topic_versions.entry(name).or_default().extend(versions);
@@ -152,7 +153,7 @@ fn declarations(input: impl Read) -> Clues {
                 room -= if is_read { text.len() } else { 0 };
                 schemas.insert(id, (name, hash));
             }
-            // Another file may follow, whose ids are different.
+            // Another file may follow, in which the ids have a different meaning.
             Event::Header { .. } => {
                 schemas.clear();
                 unknown.clear();
@@ -196,7 +197,7 @@ fn declarations(input: impl Read) -> Clues {
         }
     }
     let mut in_json = found.into_clues();
-    // The facts in CDR channels take precedence.
+    // The facts from CDR channels take precedence.
     in_json.types.retain(|name, _| !clues.types.contains_key(name));
     merge(&mut clues, in_json);
     clues
@@ -242,7 +243,7 @@ fn size_of(payload: &[u8]) -> Option<u64> {
     Some(decompressed(payload).ok()?.len() as u64)
 }
 
-/// Adds the type of a topic. Returns the name of the type if its hash isn't known.
+/// Adds the type of a topic. If the hash of the type isn't known, returns the name of the type.
 fn add(clues: &mut Clues, topic: &str, name: &str, hash: Option<&String>) -> Option<String> {
     let name = full_name(name);
     if clues.types.len() >= MAX_TYPES {

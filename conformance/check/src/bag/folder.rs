@@ -32,9 +32,9 @@ pub(crate) fn clues(folder: &Path) -> Clues {
 /// The bytes of a bag's file.
 struct FileBytes<'p, R> {
     start: Vec<u8>,
-    /// All bytes, decompressed, with the start.
+    /// All bytes, decompressed, including the start.
     whole: R,
-    /// The file that consists of these bytes, if there is one.
+    /// The file that contains these bytes, if there is one.
     file: Option<&'p Path>,
 }
 
@@ -115,8 +115,8 @@ pub(crate) fn check_folder(
     }))
 }
 
-/// Compares a number of messages with the number in the metadata. If parts of the bag can't be read, the numbers
-/// differ anyway.
+/// Compares the number of messages with the number in the metadata. Does nothing if parts of the bag can't be read,
+/// because the numbers then differ anyway.
 fn compare(bag: &mut Channels<'_>, stated: Option<u64>, found: u64, of: &str) {
     if let Some(stated) = stated.filter(|stated| *stated != found) {
         let text = format!("{FILE_NAME} counts {stated} messages{of}, but there are {found}");
@@ -124,7 +124,7 @@ fn compare(bag: &mut Channels<'_>, stated: Option<u64>, found: u64, of: &str) {
     }
 }
 
-/// Compares the numbers of messages of the topics with the numbers in the metadata.
+/// Compares each topic's number of messages with the number in the metadata.
 fn compare_topics(bag: &mut Channels<'_>, stated: &BTreeMap<String, u64>) {
     let mut found: HashMap<&str, u64> = HashMap::new();
     for open in &bag.open {

@@ -86,8 +86,8 @@ impl<'s> Comparing<'s> {
         Some((differences, shared))
     }
 
-    /// The type in the schema of a property and the type of its field, if they contradict each other. `types` contains
-    /// the JSON types of the field.
+    /// The type in the schema of a property, and the type of its field, if the two contradict each other. `types`
+    /// contains the JSON types of the field.
     fn contradiction(&self, property: &'s Value, field: &Field, types: &[&str]) -> Option<(String, String)> {
         if let Some(stated) = self.contradicted(property, types) {
             return Some((stated, types.join(" or ")));
@@ -105,7 +105,8 @@ impl<'s> Comparing<'s> {
         self.other_bounds(property, scalar)
     }
 
-    /// The stated and the defined number of elements, if the schema allows an array that the field doesn't allow.
+    /// The number of elements that the schema states, and the number that the field defines, if the schema allows
+    /// arrays that the field doesn't allow.
     fn other_length(&self, property: &'s Value, field: &Field) -> Option<(String, String)> {
         let found = self.followed(property);
         let stated = |key: &str| found.get(key).and_then(Value::as_u64);
@@ -131,7 +132,8 @@ impl<'s> Comparing<'s> {
         differs.then_some((text, defined))
     }
 
-    /// The stated and the defined bounds of an integer, if the schema allows an integer that the type doesn't allow.
+    /// The bounds of an integer that the schema states, and the bounds of its type, if the schema allows integers that
+    /// the type doesn't allow.
     fn other_bounds(&self, property: &'s Value, scalar: Scalar) -> Option<(String, String)> {
         let found = self.followed(property);
         let stated = |key: &str| {
@@ -166,7 +168,7 @@ impl<'s> Comparing<'s> {
         found
     }
 
-    /// The types in a property's schema, if none of them is an expected type.
+    /// The types in a property's schema, if none of them is among the expected types.
     fn contradicted(&self, property: &'s Value, types: &[&str]) -> Option<String> {
         let found = self.followed(property);
         let is_among = |name: &str| types.contains(&name) || name == "number" && types.contains(&"integer");

@@ -58,7 +58,7 @@ impl<'d> LiveBag<'d> {
         Self { channels, file: McapFile::default() }
     }
 
-    /// Checks a record. As in a compressed chunk, its location is the number of the message.
+    /// Checks a record. Its location is the number of the message, as for messages in a compressed chunk.
     pub fn record(&mut self, event: Event<'_>) {
         let item = Item { offset: 0, packing: Some(Packing::Lz4), event };
         self.file.item(&mut self.channels, item);
@@ -88,11 +88,11 @@ pub(super) struct McapFile<'c> {
     channels: Vec<Option<(u64, usize)>>,
     /// The indices in `channels`.
     claimed: BTreeSet<usize>,
-    /// The undeclared channels with messages, each reported once.
+    /// The channels that have messages but no declaration. Each is reported only once.
     undeclared: BTreeSet<u16>,
-    /// The number of announcements of endpoints.
+    /// The number of records that announce an endpoint.
     num_endpoints: u64,
-    /// The attachment with event metadata that is being read.
+    /// The content of the attachment that is being read, if it contains event metadata.
     metadata: Option<Vec<u8>>,
 }
 
@@ -158,7 +158,7 @@ impl<'c> McapFile<'c> {
         }
     }
 
-    /// Adds a schema. An error describes the problem.
+    /// Adds a schema. The error describes the problem.
     fn schema(
         &mut self,
         bag: &mut Channels<'_>,
@@ -186,7 +186,7 @@ impl<'c> McapFile<'c> {
         schemas.problem(index).map_or(Ok(()), |problem| Err(format!("schema {id} {problem}")))
     }
 
-    /// Declares a channel. An error describes the problem.
+    /// Declares a channel. The error describes the problem.
     fn channel(
         &mut self,
         bag: &mut Channels<'_>,
@@ -219,7 +219,7 @@ impl<'c> McapFile<'c> {
         Ok(())
     }
 
-    /// Reads a record about a live vehicle. Other programs also write metadata.
+    /// Reads a metadata record about a live vehicle. Ignores the metadata of other programs.
     fn metadata(&mut self, bag: &mut Channels<'_>, body: &[u8], byte: Location) {
         let Some((name, values)) = metadata(body) else { return };
         let value = |key: &str| values.get(key).map(|value| value.escape_debug().to_string());
@@ -272,7 +272,7 @@ impl<'c> McapFile<'c> {
             }
         }
         let read = if is_too_late {
-            Err("it follows the first message; name the file with `--events`".to_owned())
+            Err("it follows the first message; specify the file with `--events`".to_owned())
         } else {
             let data = AttachmentHead::read(body).and_then(|head| head.data(body));
             data.ok_or_else(|| {

@@ -40,7 +40,7 @@ pub struct BusEndpoint {
     pub qos: Option<String>,
 }
 
-/// A topic with the ids of its endpoints.
+/// A topic with its endpoints, by id.
 #[derive(Default)]
 struct Known {
     type_name: String,
@@ -49,7 +49,7 @@ struct Known {
     subscribers: BTreeMap<String, BusEndpoint>,
 }
 
-/// The endpoints that were discovered.
+/// The endpoints that were discovered, by topic.
 #[derive(Default)]
 pub(super) struct Network(BTreeMap<String, Known>);
 
@@ -123,7 +123,7 @@ impl BusTopic {
     }
 }
 
-/// The different qualities of service in parentheses.
+/// The distinct quality-of-service settings, in parentheses.
 fn qualities(endpoints: &[BusEndpoint]) -> String {
     let mut different: Vec<&str> = endpoints.iter().filter_map(|endpoint| endpoint.qos.as_deref()).collect();
     different.sort_unstable();

@@ -1,4 +1,4 @@
-//! A channel, with its state during the check and its summary.
+//! A channel: its state during the check, and its summary.
 
 use std::rc::Rc;
 use std::sync::Arc;
@@ -96,10 +96,11 @@ pub enum Basis {
     Unreadable(String),
     /// The schema is too long.
     TooLong,
-    /// Messages of the defined type aren't supported; contains the reason. The channel wasn't checked.
+    /// The defined type can't be used with the encoding of the messages; contains the reason. The channel wasn't
+    /// checked.
     Unusable(String),
-    /// Neither a usable schema nor a type hash indicates the release. Several definitions have messages of this size,
-    /// or none has. The channel wasn't checked.
+    /// Neither a usable schema nor a type hash indicates the release, and the size of the messages fits no definition,
+    /// or several. The channel wasn't checked.
     Undecided,
     /// There is no usable schema, and the type hash differs from the hash of the definition. The channel wasn't
     /// checked.
@@ -140,14 +141,14 @@ impl Basis {
         match self {
             Self::Compared(_) => None,
             Self::NoSchema => Some("no schema with fields".to_owned()),
-            Self::OnlyName => Some("the schema is only the name of the type".to_owned()),
+            Self::OnlyName => Some("the schema contains only the name of the type".to_owned()),
             Self::Encoding(encoding) => Some(format!("the schema encoding `{encoding}` isn't supported")),
             Self::Unreadable(error) => Some(format!("invalid schema: {error}")),
             Self::TooLong => Some("the schema is too long".to_owned()),
             Self::Unusable(defect) => Some(format!("not checked: its definition {defect}")),
             Self::Undecided => Some(
-                "not checked: there is no usable schema or type hash, and the size of the messages doesn't show their \
-                 release"
+                "not checked: there is no usable schema or type hash, and the size of the messages doesn't identify \
+                 their release"
                     .to_owned(),
             ),
             Self::OtherHash => Some(
@@ -181,7 +182,7 @@ pub(super) struct Open {
     /// True if both the hash and the schema of the channel differ from the definition.
     pub(super) has_other_hash: bool,
     pub(super) status: CheckStatus,
-    /// The reason why the channel's schema wasn't used instead of a definition, or a remark on the schema.
+    /// The reason why the channel's own schema wasn't used in the absence of a definition, or a remark on the schema.
     pub(super) remark: Option<String>,
 }
 
@@ -189,9 +190,11 @@ pub(super) struct Open {
 pub(super) enum Reading {
     Skipped,
     Cdr(Box<CdrChecker>),
-    /// JSON. Contains the only fields to check, if the schema of the channel differs from the definition.
+    /// JSON messages with this definition. If the schema of the channel differs from the definition, only the contained
+    /// fields are checked.
     Json(MessageId, Option<Rc<SharedFields>>),
-    /// JSON. The name of the channel suggests a type. The first non-empty message decides whether it has this type.
+    /// JSON messages whose channel name suggests this type. The first non-empty message decides whether the channel has
+    /// this type.
     Guess(MessageId, Box<Declared>),
 }
 
@@ -296,7 +299,7 @@ impl Open {
         if other_cdr > 0 {
             result = result.max(PartResult::Unsupported);
         }
-        // Only messages that don't indicate the type of their channel are decoded but not checked.
+        // The only messages that are decoded but not checked are those that don't indicate the type of their channel.
         if decoded > checked {
             result = result.max(PartResult::Keyless);
         }

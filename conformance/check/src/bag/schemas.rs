@@ -46,18 +46,18 @@ pub(super) struct Schemas {
 struct Schema {
     name: String,
     encoding: String,
-    /// The text; otherwise, the size of a text that is too long to store.
+    /// The text, or the size of the text if it is too long to store.
     text: Result<Vec<u8>, usize>,
     /// A hash that distinguishes the schema from others.
     digest: u64,
     /// The comparisons that channels requested, by definition. The flag is true for JSON messages.
     compared: BTreeMap<(MessageId, bool), ComparedSchema>,
-    /// The types, or the reason why they can't be read. Set when a channel without a definition requests them.
+    /// The types, or the reason why they can't be read. Set when first requested by a channel without a definition.
     own: OnceCell<Result<Rc<Stated>, Basis>>,
 }
 
 impl Schemas {
-    /// Adds a schema, and returns its index. Files may repeat the schemas of other files. An error describes the
+    /// Adds a schema, and returns its index. Files may repeat the schemas of other files. The error describes the
     /// problem.
     pub(super) fn add(&mut self, name: String, encoding: String, text: &[u8]) -> Result<usize, String> {
         let digest = digest(&(&name, &encoding, text));
@@ -94,7 +94,7 @@ impl Schemas {
         ))
     }
 
-    /// True if a schema has this content.
+    /// True if a schema has this name, encoding and text.
     pub(super) fn is(&self, index: usize, name: &str, encoding: &str, text: &[u8]) -> bool {
         self.all[index].digest == digest(&(name, encoding, text))
     }

@@ -42,7 +42,8 @@ fn check_sqlite(mut source: Source<'_>, run: CheckRun<'_>) -> CaptureResult {
     })
 }
 
-/// Checks the readable part of a `SQLite` file. Returns the size of the file, and the ROS distribution in it.
+/// Checks the readable part of a `SQLite` file. Returns the size of the file, and the ROS distribution that the file
+/// names.
 pub(super) fn read_source(
     source: &mut Source<'_>,
     bag: &mut Channels<'_>,
@@ -71,21 +72,22 @@ impl CopiedFile {
         Ok(Self { file: stage.file(None)?, _stage: stage })
     }
 
-    /// The path of the file, until it is dropped.
+    /// The path of the file. The path is valid until the copy is dropped or hidden.
     pub(crate) fn path(&self) -> &Path {
         self.file.path()
     }
 
-    /// Removes the name of the file, which is open now. Nothing then remains if the run is killed.
+    /// Removes the name of the open file, so that no file remains if the run is killed.
     fn hide(&self) {
-        // On other systems, open files can't be removed. Nobody can react to an error.
+        // On other systems, open files can't be removed. The error is ignored.
         if cfg!(unix) {
             let _ = fs::remove_file(self.path());
         }
     }
 }
 
-/// Copies a `SQLite` file, which is read in any order, to a temporary file. Also returns the problem that ended the copy.
+/// Copies a `SQLite` file to a temporary file, because it isn't read from start to end. Also returns the problem that
+/// ended the copy, if any.
 pub(crate) fn copy(source: &mut dyn Read) -> (Option<CopiedFile>, Option<(Location, String)>) {
     let unreadable = |error: io::Error| (Location::Byte(0), format!("the rest is unreadable: {error}"));
     let mut copy = match CopiedFile::new() {
@@ -102,7 +104,8 @@ pub(crate) fn copy(source: &mut dyn Read) -> (Option<CopiedFile>, Option<(Locati
     (Some(copy), None)
 }
 
-/// Reads a file, and calls `on_open` when it is open. Returns the size of the file, and the ROS distribution in it.
+/// Reads a file, and calls `on_open` once the file is open. Returns the size of the file, and the ROS distribution that
+/// the file names.
 fn read(path: &Path, on_open: &dyn Fn(), bag: &mut Channels<'_>, file: BagFile<'_>) -> (u64, String) {
     let mut distribution = String::new();
     let size = fs::metadata(path).map_or(0, |metadata| metadata.len());
@@ -128,10 +131,10 @@ mod tests {
 
     use super::*;
 
-    /// A table with the columns that are read.
+    /// A table with only the columns that are read.
     const TOPICS: &str = "CREATE TABLE topics(id INTEGER, name TEXT, type TEXT, serialization_format TEXT)";
 
-    /// A run that is killed would leave up to 16 GiB.
+    /// If the copy had a name, a run that is killed would leave up to 16 GiB on the disk.
     #[test]
     fn a_copy_has_no_name_while_it_is_read() {
         let folder = tempfile::tempdir().expect("a folder");

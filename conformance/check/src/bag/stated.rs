@@ -33,7 +33,7 @@ pub(super) struct Stated {
     pub(super) type_hash: String,
     /// The value of `MESSAGE_VERSION`, if it is defined.
     pub(super) version: Option<u32>,
-    /// The names of the types that the schema lacks, and that were taken from the built-in definitions.
+    /// The names of the types that the schema lacks and that were taken from the built-in definitions.
     pub(super) added: Vec<String>,
 }
 
@@ -182,7 +182,7 @@ fn added<'t>(files: &[File<'_>], text: &'t str) -> Vec<File<'t>> {
     messages.map(|Entry { kind, package, name, text }| File { package, name, kind, text }).collect()
 }
 
-/// The message with a full name; otherwise, one with this package and this name.
+/// The message with this full name; otherwise, a message with the same package and name.
 fn root(schema: &Schema, name: &str) -> Option<MessageId> {
     let (package, short) = parts_of(name)?;
     let ids = || (0..).map(MessageId).take(schema.messages.len());

@@ -53,7 +53,7 @@ impl BagChannel {
         (&self.topic, shown(&self.message))
     }
 
-    /// The reason why some or all of the channel's messages aren't read.
+    /// The reason why some or all of the channel's messages aren't read. `None` if all are read.
     fn not_read(&self) -> Option<String> {
         match self.result {
             ChannelResult::Unsupported => Some(format!("unsupported encoding `{}`", shown(&self.encoding))),
@@ -110,7 +110,7 @@ impl Describe for BagSummary {
     }
 }
 
-/// The results of comparing the schemas of the channels with the definitions.
+/// The lines that describe the comparison of the channels' schemas with the definitions.
 fn lines<'c>(channels: &'c [BagChannel], dialects: Dialects, releases: &[ReleaseMatch]) -> Vec<Line> {
     let with_result = |wanted| channels.iter().filter(move |channel| channel.result == wanted);
     let messages = |wanted| with_result(wanted).map(BagChannel::described);

@@ -28,22 +28,22 @@ use crate::{definition_of, definition_of_json, is_flockwave, is_guess, shows_typ
 struct Channel<'p> {
     definition: Option<MessageId>,
     topic: Topic<'p>,
-    /// True if the definition is known, or if a stated type or a non-empty message showed that there is none.
+    /// True if it is decided whether the channel has a definition. A stated type or a non-empty message decides.
     is_decided: bool,
-    /// True if a message had a definition or wasn't empty. A type that is stated later then doesn't apply.
+    /// True if a message had a definition or wasn't empty. A type that is stated later is then ignored.
     is_final: bool,
     /// The number of messages that were copied.
     copied: u64,
 }
 
-/// The part of a value that indicates the definition of a topic.
+/// The evidence in a value for the definition of a topic.
 #[derive(Clone, Copy)]
 enum Evidence<'v> {
     /// A non-empty message.
     Message(&'v Tree<'v>),
-    /// The type in an operation.
+    /// The type that an operation states.
     Type(&'v str),
-    /// An operation without a type, or an empty message. It contains only the name of the topic or type.
+    /// Nothing but the name of the topic or type, in an operation without a type or an empty message.
     Name,
 }
 
@@ -55,7 +55,7 @@ struct Stream<'p, 'o> {
     converters: Converters<'p>,
     channels: Vec<Channel<'p>>,
     names: Names,
-    /// True once the first object was read.
+    /// True once the first object has been read.
     has_objects: bool,
     /// True if a value starts like an object.
     is_json: bool,
@@ -144,7 +144,7 @@ impl<'p, 'o> Stream<'p, 'o> {
         }
     }
 
-    /// Fails if the first object shows that the capture can't be converted.
+    /// Checks that the first object doesn't belong to a kind of capture that can't be converted.
     fn check_kind(&mut self, tree: &Tree<'_>) -> Result<(), Error> {
         if self.has_objects || !matches!(tree, Tree::Object(_)) {
             return Ok(());
@@ -198,7 +198,7 @@ impl<'p, 'o> Stream<'p, 'o> {
         let Ok(at) = self.open((NameKind::Topic, topic), evidence) else { return self.write(value.text) };
         let channel = &self.channels[at];
         let name = channel.topic.report.renamed.as_deref().map(quoted);
-        // The type may be stated only after the first non-empty message, which may show another type.
+        // The type may be stated only after the first non-empty message, which may indicate another type.
         let is_same =
             |ty: &&str| definition_of(topic, Some((ty, ROS)), self.plan.source()) == channel.definition;
         let ty = ty.filter(is_same).and_then(|ty| channel.topic.renamed_type(ty, self.plan));
@@ -207,8 +207,8 @@ impl<'p, 'o> Stream<'p, 'o> {
         self.write(&line)
     }
 
-    /// The index of a topic or a type. A type stated before the first non-empty message applies. Otherwise, this
-    /// message decides.
+    /// Returns the index of a topic or a type. Its definition is decided by the type that is stated before the first
+    /// non-empty message; otherwise, by this message.
     fn open(&mut self, (kind, name): (NameKind, &str), evidence: Evidence<'_>) -> Result<usize, String> {
         if name.len() > MAX_NAME {
             return Err(format!("the name of the topic or type is longer than {MAX_NAME} bytes"));
@@ -307,11 +307,11 @@ impl<'p, 'o> Stream<'p, 'o> {
 }
 
 impl Channel<'_> {
-    /// The part of the report.
+    /// Returns the topic's part of the report.
     fn finish(self) -> TopicReport {
         let mut report = self.topic.finish();
         if self.copied > 0 && report.action != Action::Copied {
-            // Non-empty messages are copied only if all later messages are copied.
+            // Non-empty messages are copied only if all later messages are copied, too.
             let copied = format!("copied: {} without keys", plural(self.copied, "message"));
             let reasons = report.reason.into_iter().chain([copied]);
             report.reason = Some(reasons.collect::<Vec<_>>().join("; "));
@@ -320,8 +320,8 @@ impl Channel<'_> {
     }
 }
 
-/// Finds the definition of a topic or a type, as `uavspec check` does. `None` if only the name matches, and other
-/// programs use this name as well.
+/// Finds the definition of a topic or a type, like `uavspec check`. Returns `None` if only the name matches, and other
+/// programs also use this name.
 fn find(
     (kind, name): (NameKind, &str),
     evidence: Evidence<'_>,
@@ -338,8 +338,8 @@ fn find(
 }
 
 impl Converted<'_> {
-    /// Converts a JSON message. Counts the losses. `None` if the message stays the same: both types have the same
-    /// messages, and it is JSON.
+    /// Converts a JSON message, and counts the losses. Returns `None` if the message stays the same: it is valid JSON,
+    /// and its type has the same messages in both releases.
     pub(super) fn json(
         &self,
         tree: &Tree<'_>,
@@ -365,7 +365,7 @@ struct TextValue<'t> {
 }
 
 impl TextValue<'_> {
-    /// The text with some members' values replaced.
+    /// The text in which the values of some members are replaced.
     fn with(self, replaced: &[(&str, Option<&str>)]) -> String {
         let members = if let Tree::Object(members) = self.tree { members.as_slice() } else { &[] };
         let (mut text, mut end) = (String::with_capacity(self.text.len()), 0);

@@ -58,7 +58,8 @@ struct Channel<'p> {
     /// A hash of the declaration.
     digest: u64,
     is_json: bool,
-    /// The guess about a JSON channel, until it is decided. Until then, the output doesn't contain the channel.
+    /// The guess about the type of a JSON channel. `None` once it is decided. Until then, the output doesn't contain
+    /// the channel.
     guess: Option<Box<Guess>>,
 }
 
@@ -79,7 +80,7 @@ struct Stream<'p, 'o> {
     schemas: HashMap<u16, Schema>,
     /// The ids of the schemas that exceed a limit.
     left_out: BTreeSet<u16>,
-    /// The total size of the schemas and channels, in bytes, with the names of attachments and metadata records.
+    /// The total size of the schemas and channels, in bytes, including the names of attachments and metadata records.
     size: usize,
     /// The ids of the schemas in the output.
     written: HashMap<Origin, u16>,
@@ -294,8 +295,8 @@ impl<'p, 'o> Stream<'p, 'o> {
         Ok(problem)
     }
 
-    /// The reason why a new channel is left out: it exceeds a limit, or its schema is unknown. Without the schema, its
-    /// topic could be mistaken for a topic of PX4.
+    /// The reason to leave out a new channel, if there is one: the channel exceeds a limit, or its schema is unknown.
+    /// Without the schema, its topic could be confused with a PX4 topic.
     fn refusal(
         &mut self,
         schema: u16,
@@ -316,8 +317,8 @@ impl<'p, 'o> Stream<'p, 'o> {
         (!fits(&mut self.size, topic.len() + encoding.len() + pairs)).then(too_large)
     }
 
-    /// The id of a schema in the output; 0 if there is none. Writes the schema if necessary. `None` if the schemas in the
-    /// output take too much space.
+    /// Returns the id of a schema in the output, or 0 if there is no schema. Writes the schema if necessary. Returns
+    /// `None` if the schemas in the output take too much space.
     fn written(&mut self, origin: Origin) -> Result<Option<u16>, Error> {
         if let Some(id) = self.written.get(&origin) {
             return Ok(Some(*id));
@@ -335,7 +336,7 @@ impl<'p, 'o> Stream<'p, 'o> {
         Ok(Some(id))
     }
 
-    /// Writes a message. Returns the problem if its channel is unknown, or if the channel is left out from now on.
+    /// Writes a message. Returns the problem if its channel is unknown, or is left out from now on.
     fn message(&mut self, header: MessageHeader, payload: &[u8]) -> Result<Option<String>, Error> {
         let id = header.channel_id;
         let Some(channel) = self.channels.get_mut(usize::from(id)).and_then(Option::as_deref_mut) else {
@@ -366,8 +367,9 @@ impl<'p, 'o> Stream<'p, 'o> {
         Ok(problem)
     }
 
-    /// Declares a channel whose guess is decided, and writes its messages so far, which then follow later messages of
-    /// other channels. Does nothing if the channel has no guess. Returns the problem if the channel is left out.
+    /// Declares a channel whose guess is decided, and writes its waiting messages. These messages then follow later
+    /// messages of other channels. Does nothing if the channel has no guess. Returns the problem if the channel is left
+    /// out.
     fn decide(&mut self, at: usize, definition: Option<MessageId>) -> Result<Option<String>, Error> {
         let channel = self.channels.get_mut(at).and_then(Option::as_deref_mut);
         let Some(guess) = channel.and_then(|channel| channel.guess.take()) else { return Ok(None) };
@@ -382,7 +384,8 @@ impl<'p, 'o> Stream<'p, 'o> {
         Ok(problem)
     }
 
-    /// Copies a metadata record. Returns the problem if it is left out. The index contains the name.
+    /// Copies a metadata record. Returns the problem if the record is left out, because its name doesn't fit into the
+    /// index.
     fn metadata(&mut self, body: &[u8]) -> Result<Option<String>, Error> {
         let length = body.first_chunk().map_or(0, |length| u32::from_le_bytes(*length) as usize);
         if !fits(&mut self.size, length) {
@@ -392,8 +395,8 @@ impl<'p, 'o> Stream<'p, 'o> {
         Ok(None)
     }
 
-    /// Copies an attachment after its last part. Returns the problem if it is left out. A truncated attachment is left out
-    /// as well.
+    /// Copies an attachment when its last part has arrived. Returns the problem if it is left out. A truncated
+    /// attachment is left out as well.
     fn attachment(&mut self, (length, at): (u64, u64), bytes: &[u8]) -> Result<Option<String>, Error> {
         if at == 0 {
             // The index contains both texts.
@@ -442,19 +445,19 @@ impl Channel<'_> {
 }
 
 impl Guess {
-    /// True if a payload confirms the guess, false if it refutes the guess. `None` if it decides nothing.
+    /// True if a payload confirms the guess, false if it refutes the guess. `None` if the payload doesn't decide it.
     fn decision(&self, payload: &[u8], definitions: &Definitions) -> Option<bool> {
         let message = Tree::read(utf8(payload).ok()?).ok()?;
         confirms(&message, self.message_id, definitions)
     }
 }
 
-/// The problem of a declaration that differs from an earlier one.
+/// The problem to report for a declaration that differs from an earlier one with the same id.
 fn declared_again(kind: &str, id: u16) -> String {
     format!("{kind} {id} is declared again with different content; the first declaration is used")
 }
 
-/// The problem of declarations that take too much space.
+/// The problem to report for declarations that take too much space.
 fn too_large() -> String {
     format!("the schemas, channels and names take more than {} MiB", MAX_CONVERTED_SCHEMAS >> 20)
 }
@@ -500,7 +503,7 @@ pub(super) fn names((name, encoding, _): &Schema) -> (&str, &str) {
     (name, encoding)
 }
 
-/// The treatment of a channel whose messages have this definition, and the release of its messages.
+/// The treatment of a channel whose messages have this definition. Also returns the release of its messages.
 fn treatment<'p>(
     plan: &'p Plan,
     declared: &Declared,
@@ -535,7 +538,8 @@ fn treatment<'p>(
 }
 
 impl Converted<'_> {
-    /// Converts a CDR payload. Counts the losses. A readable payload stays the same if both types have the same payloads.
+    /// Converts a CDR payload, and counts the losses. A readable payload stays the same if its type has the same
+    /// payloads in both releases.
     fn cdr<'m>(&self, payload: &'m [u8], losses: &mut [u64]) -> Result<Cow<'m, [u8]>, String> {
         let plain = decompressed(payload)?;
         let order = ByteOrder::of(&plain).map_err(|fault| fault.to_string())?;
@@ -553,10 +557,10 @@ impl Converted<'_> {
         }
     }
 
-    /// Converts a JSON payload. Counts the losses.
+    /// Converts a JSON payload, and counts the losses.
     fn json_payload<'m>(&self, payload: &'m [u8], losses: &mut [u64]) -> Result<Cow<'m, [u8]>, String> {
         let tree = Tree::read(utf8(payload)?).map_err(|error| error.to_string())?;
-        // Foxglove writes bytes as base64, as rosbridge does.
+        // Foxglove writes bytes as base64, like rosbridge.
         let text = self.json(&tree, true, losses)?;
         Ok(text.map_or(Cow::Borrowed(payload), |text| Cow::Owned(text.into_bytes())))
     }

@@ -43,9 +43,10 @@ struct Package {
 
 /// The treatment of the messages of a type.
 pub(crate) enum Treatment<'p> {
-    /// The type isn't part of the conversion.
+    /// The messages are copied, because their type isn't part of the conversion.
     Copy,
-    /// The messages have no counterpart, or the definitions don't decide their conversion; contains the reason.
+    /// The messages are left out, because they have no counterpart, or because the definitions don't determine their
+    /// conversion; contains the reason.
     LeaveOut(String),
     /// The messages are converted.
     Convert(Rc<Converted<'p>>),
@@ -58,12 +59,12 @@ pub(crate) struct Converted<'p> {
     pub(crate) source: MessageType<'p>,
 }
 
-/// The compiled conversions of a capture. Topics with the same messages share a conversion, since a bag may have 65,535
-/// topics.
+/// The compiled conversions of a capture. Topics with the same messages share a conversion, because a bag may have
+/// 65,535 topics.
 #[derive(Default)]
 pub(super) struct Converters<'p> {
-    /// The conversions by the message of the capture and the two messages of the conversion. The conversion may belong
-    /// to a twin.
+    /// The conversions, by the message of the capture and the two messages of the conversion. A conversion may belong
+    /// to a twin of the capture's message.
     by_messages: HashMap<(MessageId, MessageId, MessageId), Rc<Converted<'p>>>,
 }
 
@@ -78,7 +79,7 @@ fn is_declared_alike(one: &Message, other: &Message) -> bool {
     fields(one) == fields(other) && constants(one) == constants(other)
 }
 
-/// Hints, with the file of the user's hints.
+/// Conversion hints, with the path of the file that contains the user's hints.
 struct HintFiles {
     sources: SourceMap,
     hints: Hints,
@@ -89,7 +90,7 @@ impl HintFiles {
     fn read(path: Option<&Path>) -> Result<Self, Failure> {
         let mut sources = SourceMap::default();
         let mut hints = Hints::default();
-        // Tests ensure that the published hints have no mistakes.
+        // Tests ensure that the published hints contain no mistakes.
         if let Ok(id) = sources.add("definitions/hints/px4.toml", PX4_HINTS.as_bytes().to_vec()) {
             hints = read_hints(&sources, id);
         }
@@ -103,7 +104,7 @@ impl HintFiles {
         Ok(Self { hints: hints.with(own), sources, own: Some(id) })
     }
 
-    /// Fails if the hints have a mistake, or if a hint of the user is never used.
+    /// Checks the hints. Fails if they contain a mistake, or if one of the user's hints is never used.
     fn check(&self, found: &[&Conversions], versions: &[(Version<'_>, Version<'_>)]) -> Result<(), Failure> {
         let mistakes = self.hints.mistakes.iter().chain(found.iter().flat_map(|found| &found.mistakes));
         let unused = self.hints.unused(found, versions);
@@ -120,7 +121,7 @@ impl HintFiles {
 
 impl Plan {
     /// Plans the conversion of captures with the definitions `source` to a release. `library` contains the fingerprints
-    /// of all releases. The user's hints take precedence over the published ones.
+    /// of all releases. The user's hints take precedence over the published hints.
     pub fn new(
         source: Arc<Definitions>,
         library: &Library,
@@ -206,8 +207,8 @@ impl Plan {
 
     /// The treatment of messages of an unknown release.
     pub(super) fn unknown_release() -> Treatment<'static> {
-        let reason = "there is no usable schema or type hash, and the size of the messages doesn't show their release; \
-                      name it with --from";
+        let reason = "there is no usable schema or type hash, and the size of the messages doesn't identify their \
+                      release; specify it with --from";
         Treatment::LeaveOut(reason.to_owned())
     }
 
@@ -245,19 +246,19 @@ impl Plan {
         Treatment::Convert(Rc::clone(converters.by_messages.entry(messages).or_insert_with(compile)))
     }
 
-    /// The treatment of messages of a type that has no conversion. Service events have no conversion, but most services
-    /// are unchanged.
+    /// The treatment of messages whose type has no conversion. Service events never have a conversion, but most
+    /// services are the same in both releases.
     fn without_conversion(&self, message: &Message) -> Treatment<'_> {
         let name = ros_name(&self.source.schema, message);
         match self.target.message_of_type(&name).map(|id| self.target.schema.message(id)) {
             Some(twin) if twin.type_hash == message.type_hash => Treatment::Copy,
-            Some(_) => Treatment::LeaveOut("its service has other fields in the target release".to_owned()),
+            Some(_) => Treatment::LeaveOut("its service fields differ in the target release".to_owned()),
             None => Treatment::LeaveOut(format!("{} lacks the message {}", self.release.title, message.name)),
         }
     }
 
-    /// A message of the source that is declared like `message` and has the name of the topic's message in the target.
-    /// Releases before PX4 1.14 repeat a message for each of its topics.
+    /// Finds a message of the source that has the same declaration as `message`, and the name of the topic's message in
+    /// the target. Releases before PX4 1.14 repeat a message for each of its topics.
     fn twin(&self, message: &Message, topic: &str) -> Option<MessageId> {
         let target = self.target.schema.message(self.target.message_of_topic(topic)?);
         let all = &self.source.schema.packages.get(message.package)?.messages;
@@ -282,7 +283,8 @@ impl Plan {
         Some(format!("undecided: {}", own.unwrap_or_else(nested)))
     }
 
-    /// The name of a topic in the output, if it differs. PX4's topics for ROS 2 end with the version of the message.
+    /// The name of a topic in the output, if it changes. The names of PX4's topics for ROS 2 end with the version of
+    /// the message.
     pub(super) fn renamed(&self, topic: &str, conversion: &Conversion) -> Option<String> {
         let source = self.source.schema.message(conversion.from);
         let target = self.target.schema.message(conversion.to);
@@ -299,9 +301,9 @@ impl Plan {
         Some([&topic[..start], &renamed, &topic[start + name.len()..]].concat())
     }
 
-    /// The name of a topic in the target. The only topic of a message is renamed with the message, unless both releases
-    /// have this topic, or the source has the new topic as well. All other topics keep their names, since the
-    /// definitions don't indicate which topic of several replaced another.
+    /// The name of a topic in the target. If a message has only one topic, the topic is renamed with the message,
+    /// unless both releases have this topic, or the source also has the new topic. All other topics keep their names,
+    /// because the definitions don't indicate which of several topics replaces another.
     fn counterpart<'t>(&self, topic: &'t str, source: &Message, target: &'t Message) -> &'t str {
         let is_renamed = source.name != target.name && source.topics == [topic];
         let is_known = target.topics.iter().any(|known| known == topic);
@@ -309,7 +311,7 @@ impl Plan {
         new.filter(|new| self.source.message_of_topic(new).is_none()).map_or(topic, String::as_str)
     }
 
-    /// The name of a type in the output, if it differs. The notation stays the same.
+    /// The name of a type in the output, if it changes. The notation stays the same.
     pub(super) fn renamed_type(&self, ty: &str, conversion: &Conversion) -> Option<String> {
         let target = &self.target.schema.message(conversion.to).name;
         let (package, name) = ty.rsplit_once('/')?;
@@ -322,7 +324,7 @@ impl Plan {
         (ros_name(&self.target.schema, message), &message.type_hash)
     }
 
-    /// The definition of a message of the target, or of a part of a service, by its full ROS name.
+    /// The definition of a message of the target, or of a part of a service, as text. `name` is its full ROS name.
     fn text(&self, name: &str) -> Option<&str> {
         let part = |suffix: &str, at: usize| {
             let service = self.texts.get(name.strip_suffix(suffix)?)?;

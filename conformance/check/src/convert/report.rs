@@ -130,7 +130,7 @@ impl ConversionReport {
         self.problems.is_empty() && self.topics.iter().all(|topic| topic.unreadable == 0)
     }
 
-    /// The number of topics with an action.
+    /// The number of topics with this action.
     pub fn count(&self, action: Action) -> usize {
         self.topics.iter().filter(|topic| topic.action == action).count()
     }

@@ -69,8 +69,8 @@ impl<'p> Topic<'p> {
         (self.report.reason, self.report.action) = (Some(reason), Action::LeftOut);
     }
 
-    /// Converts a message with `work`, which receives the conversion and counts the losses. `None` if the message can't be
-    /// converted.
+    /// Converts a message by calling `work` with the conversion and the loss counters. Returns `None` if the message
+    /// can't be converted.
     pub(super) fn convert<T>(
         &mut self,
         work: impl FnOnce(&Converted<'p>, &mut [u64]) -> Result<T, String>,
@@ -91,7 +91,7 @@ impl<'p> Topic<'p> {
         self.report.error.get_or_insert(error);
     }
 
-    /// The part of the report.
+    /// Returns the topic's part of the report.
     pub(super) fn finish(self) -> TopicReport {
         let Self { mut report, converted, losses } = self;
         if let Some(converted) = converted {
@@ -110,7 +110,7 @@ impl<'p> Topic<'p> {
 }
 
 impl<'p> Converted<'p> {
-    /// Converts a message. Counts the losses.
+    /// Converts a message, and counts the losses.
     pub(super) fn message(
         &self,
         message: &DynamicMessage<'_>,

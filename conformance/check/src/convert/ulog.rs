@@ -19,7 +19,7 @@ use super::topic::Topic;
 use super::{Error, Settings};
 use crate::limits::MAX_LOG_TOPICS;
 
-/// The maximum size of a message in a log, in bytes. Two bytes contain the id.
+/// The maximum size of a message in a log, in bytes. Two bytes are reserved for the id.
 const MAX_MESSAGE: usize = u16::MAX as usize - 2;
 
 /// The offset of the first message.
@@ -28,7 +28,7 @@ const FIRST_MESSAGE: u64 = 16;
 /// The size of a message's header, in bytes.
 const HEADER: usize = 3;
 
-/// The location of the incompatible bits and of the offsets of appended data in the payload of flag bits.
+/// The offsets of two fields in the payload of flag bits: the incompatible bits, and the offsets of appended data.
 const INCOMPATIBLE: usize = 8;
 const APPENDED: std::ops::Range<usize> = 16..40;
 
@@ -46,7 +46,7 @@ struct Stream<'p, 'o> {
     /// The topics by the id of their subscription.
     routes: Vec<Option<usize>>,
     formats: Formats,
-    /// True once the formats were written.
+    /// True once the formats have been written.
     is_in_data: bool,
 }
 
@@ -138,7 +138,8 @@ impl<'p, 'o> Stream<'p, 'o> {
         Ok(self.output.write_all(&bytes)?)
     }
 
-    /// Writes the formats at the end of the definitions section. Converted formats take precedence over copied ones.
+    /// Writes the formats, at the end of the definitions section. The formats of converted topics take precedence over
+    /// copied formats.
     fn start_data(&mut self, log: &Log) -> Result<(), Error> {
         if std::mem::replace(&mut self.is_in_data, true) {
             return Ok(());
@@ -155,7 +156,7 @@ impl<'p, 'o> Stream<'p, 'o> {
                         let name = topic.output_name();
                         let is_taken = topic.report.renamed.is_some() && formats.contains_key(name);
                         if is_taken {
-                            Err(format!("the log has another topic `{name}`"))
+                            Err(format!("the log already has a topic `{name}`"))
                         } else {
                             self.formats.convert(name, converted.converter.target())
                         }
@@ -225,7 +226,7 @@ impl<'p, 'o> Stream<'p, 'o> {
         if slot >= self.routes.len() {
             self.routes.resize(slot + 1, None);
         }
-        // There may have been no room for the subscription.
+        // The subscription may have had no room.
         self.routes[slot] = log.subscription(id).and_then(|_| self.topic(name));
         let Some(at) = self.routes[slot] else { return Ok(()) };
         self.subscribed[at] = true;
@@ -311,7 +312,7 @@ impl<'p, 'o> Stream<'p, 'o> {
 }
 
 impl Converted<'_> {
-    /// Converts a payload. Counts the losses. Like PX4, writes no padding at the end.
+    /// Converts a payload, and counts the losses. Like PX4, writes no padding at the end.
     fn uorb(&self, payload: &[u8], losses: &mut [u64]) -> Result<Vec<u8>, String> {
         let message = self.source.decode_uorb(payload).map_err(|error| error.to_string())?;
         let converted = self.message(&message, losses)?;

@@ -13,7 +13,7 @@ pub(crate) struct Listeners<'d> {
     all: Vec<Listener>,
 }
 
-/// A rule's check, and the number of items that it has checked.
+/// The check of a rule, and the number of items that it has checked.
 struct Listener {
     rule: &'static Rule,
     running: Running,
@@ -34,7 +34,7 @@ struct Views<'v> {
 }
 
 impl<'d> Listeners<'d> {
-    /// The checks of all rules, at the start of a session.
+    /// Creates the checks of all rules, for the start of a session.
     pub(crate) fn new(definitions: &'d Definitions) -> Self {
         let all = RULES.iter().flat_map(|rule| {
             rule.checks.iter().map(|check| {
@@ -95,7 +95,7 @@ impl<'d> Listeners<'d> {
 }
 
 impl Views<'_> {
-    /// Calls each listener with the view that its kind of check requires.
+    /// Calls each listener with the view of the record that its kind of check requires.
     fn show(&self, listeners: &mut [Listener], definitions: &Definitions, findings: &mut Findings) {
         for Listener { rule, running, coverage } in listeners {
             let mut context = RuleContext {

@@ -40,7 +40,7 @@ impl Pieces {
         done
     }
 
-    /// Removes the incomplete text of a connection, because no other piece can follow.
+    /// Removes and returns the incomplete text of a connection, when no other piece can follow.
     pub(super) fn end(&mut self, connection: usize) -> Option<String> {
         self.0.remove(&connection).map(|(text, _)| text)
     }
@@ -51,7 +51,7 @@ impl Pieces {
     }
 }
 
-/// Moves all complete texts to `done`. Returns the incomplete text at the end; may be empty.
+/// Moves all complete texts to `done`. Returns the incomplete text at the end, which may be empty.
 fn take_lines<'t>(text: &'t str, done: &mut Vec<String>) -> &'t str {
     let (lines, last) = text.rsplit_once('\n').unwrap_or(("", text));
     for line in lines.lines() {
@@ -59,7 +59,8 @@ fn take_lines<'t>(text: &'t str, done: &mut Vec<String>) -> &'t str {
         take_line(line, messages, rest, done);
     }
     let (messages, rest) = messages(last);
-    // Recordings may omit the line break at the end of a message, so only JSON can show that more pieces follow.
+    // Recordings may omit the line break at the end of a message, so only the JSON syntax shows whether more pieces
+    // follow.
     match Tree::read(rest) {
         Err(SyntaxError { problem: TRUNCATED, .. }) if !rest.trim().is_empty() => {
             done.extend(messages.into_iter().map(str::to_owned));

@@ -40,7 +40,7 @@ const MAX_LINE: usize = 1 << 20;
 /// The maximum length of a message id, in bytes. Lines with longer ids are rare, and take the general path.
 const MAX_ID: usize = 36;
 
-/// The maximum number of fields in a state. Each field takes one bit.
+/// The maximum number of fields in a state. Each field is represented by one bit.
 const MAX_FIELDS: usize = 64;
 
 /// The keys of a line, its message and its body.
@@ -55,7 +55,7 @@ pub(crate) struct Report<'l> {
     pub(super) time: f64,
     /// The whole line.
     pub(super) text: &'l str,
-    /// The `id` of the message.
+    /// The ids of the UAVs, and the timestamps of their states.
     pub(crate) id: &'l str,
     /// The UAVs and the timestamps of their states.
     pub(crate) timestamps: Vec<(&'l str, Tree<'l>)>,
@@ -65,7 +65,7 @@ pub(crate) struct Report<'l> {
 /// Reads status reports.
 #[derive(Default)]
 pub(super) struct Reports<'d> {
-    /// `None` if this path can't be used.
+    /// The reader for states. `None` if the fast path can't be used.
     states: Option<States<'d>>,
     /// The forms of lines.
     lines: Forms<LineValue, ()>,
@@ -116,7 +116,7 @@ enum StateValue<'d> {
     /// The characters of the UAV's id.
     Id,
     Timestamp,
-    /// Any other value except null. A field that is null makes a state of another kind.
+    /// Any other value except null. If a field is null, the state is of another kind.
     Scalar(Scalar<'d>),
 }
 
@@ -158,8 +158,8 @@ impl<'d> Reports<'d> {
         is_usual.then_some(report)
     }
 
-    /// Counts the most recently read report, unless it has new findings. Returns true if it was counted. Otherwise, it
-    /// must take the general path, which reports the findings.
+    /// Counts the most recently read report, and returns true, unless it has new findings. If this returns false, the
+    /// report must take the general path, which reports the findings.
     pub(super) fn count(&mut self, report: &Report<'_>, findings: &Findings) -> bool {
         let Some(States { kinds, known, .. }) = &mut self.states else { return false };
         let uavs = report.timestamps.iter().map(|(uav, _)| *uav);
@@ -233,7 +233,7 @@ fn new_line<'l>(
 }
 
 impl<'l> Line<'l> {
-    /// Adds a known key. If a key is repeated, other readers may use another value.
+    /// Marks a known key as read. Fails if the key is repeated, because other readers may use the other value.
     fn add_key(&mut self, key: &str) -> Result<(), Unclear> {
         let bit = 1 << KEYS.iter().position(|known| *known == key).ok_or(Unclear)?;
         if self.keys & bit != 0 {
@@ -287,7 +287,7 @@ impl<'d> States<'d> {
         })
     }
 
-    /// Reads the states in a report. Returns the UAVs and the timestamps.
+    /// Reads the states in a report. Returns the ids of the UAVs, and the timestamps of their states.
     fn read<'l>(&mut self, tokens: &mut Tokens<'l>) -> Result<Vec<(&'l str, Tree<'l>)>, Unclear> {
         // The previous report probably had about the same number of states.
         let mut timestamps = Vec::with_capacity(self.kinds.len());
@@ -373,12 +373,12 @@ impl<'d> States<'d> {
     }
 }
 
-/// A string without escapes.
+/// Reads a string without escapes.
 fn plain<'l>(tokens: &mut Tokens<'l>) -> Result<&'l str, Unclear> {
     tokens.plain_text().ok_or(Unclear)
 }
 
-/// A time in seconds.
+/// Reads a time in seconds.
 fn time(token: &Token<'_>) -> Result<f64, Unclear> {
     match token {
         #[allow(clippy::cast_precision_loss)] // times in seconds are small enough
@@ -388,7 +388,7 @@ fn time(token: &Token<'_>) -> Result<f64, Unclear> {
     }
 }
 
-/// True if no UAV appears twice. Most servers sort the states by UAV id.
+/// True if no UAV appears twice. Fast for most servers, which sort the states by UAV id.
 fn are_different(timestamps: &[(&str, Tree<'_>)]) -> bool {
     let mut seen = HashSet::new();
     timestamps.is_sorted_by(|(one, _), (other, _)| one < other)

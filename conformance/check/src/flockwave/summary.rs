@@ -52,7 +52,7 @@ impl UnreadTimes {
         self.count += 1;
     }
 
-    /// The line of a report. `None` if all times can be read.
+    /// The line of a report about these times. `None` if all times can be read.
     fn line(&self) -> Option<Line> {
         let text = format!(
             "{} can't be read, so these records have no time: expected seconds since 1970, or a date with a time zone, \
@@ -95,7 +95,8 @@ fn rows_of_server<S: Serializer>(types: &[TypeCount], serializer: S) -> Result<S
     serializer.collect_seq(from_server(types))
 }
 
-/// The types that the server sent. A client may send invalid requests on purpose, so requests aren't checked.
+/// The types that the server sent. Messages from a client aren't checked, because a client may send invalid requests on
+/// purpose.
 fn from_server(types: &[TypeCount]) -> Vec<&TypeCount> {
     types.iter().filter(|row| row.from_server > 0).collect()
 }

@@ -3,11 +3,11 @@
 use uavspec_model::json::Tree;
 use uavspec_schema::Date;
 
-/// The first time that is too late, in seconds since 1970: the year 5138. Later times are in smaller units, and lie after
-/// 1973.
+/// The first number that is too large for a time in seconds since 1970: it would be in the year 5138. Larger numbers
+/// are in smaller units, and denote times after 1973.
 const TOO_LATE: f64 = 1e11;
 
-/// The smaller units, as parts of a second.
+/// The smaller units: the number of units in a second.
 const UNITS: [f64; 3] = [1e3, 1e6, 1e9];
 
 /// A time in seconds since 1970. `None` if the value isn't a time, or is ambiguous, such as a date without a time zone.
@@ -25,7 +25,7 @@ pub(super) fn seconds(value: &Tree<'_>) -> Option<f64> {
 pub(super) fn of_number(value: f64) -> Option<f64> {
     // Small negative numbers would be rounded to 0.
     let is_plausible = |seconds: &f64| value >= 0.0 && *seconds < TOO_LATE;
-    // A float can hold microseconds since 1970, but not nanoseconds.
+    // A float can represent microseconds since 1970 exactly, but not nanoseconds.
     let smaller = UNITS.into_iter().map(|unit| (value / unit * 1e6).round() / 1e6);
     std::iter::once(value).chain(smaller).find(is_plausible)
 }
@@ -50,7 +50,7 @@ fn of_date(text: &str) -> Option<f64> {
     of_number(start + clock(time)? - ahead)
 }
 
-/// Splits the zone from a time. Returns the number of seconds by which the zone is ahead of UTC.
+/// Splits the time zone from a time. Also returns the number of seconds by which the zone is ahead of UTC.
 fn zone(time: &str) -> Option<(&str, f64)> {
     if let Some(time) = time.strip_suffix(['Z', 'z']) {
         return Some((time.trim_end(), 0.0));
@@ -64,7 +64,7 @@ fn zone(time: &str) -> Option<(&str, f64)> {
     Some((time.trim_end(), sign * f64::from(digits(hours, 2)? * 60 + minutes) * 60.0))
 }
 
-/// The seconds of a day, from a text such as `14:13:28.399`.
+/// The number of seconds since midnight, from a text such as `14:13:28.399`.
 fn clock(time: &str) -> Option<f64> {
     let mut fields = time.split(':');
     let (hours, minutes) = (digits(fields.next()?, 2)?, digits(fields.next()?, 2)?);
@@ -76,7 +76,7 @@ fn clock(time: &str) -> Option<f64> {
     Some(f64::from(hours) * 3_600.0 + f64::from(minutes) * 60.0 + seconds)
 }
 
-/// A number with this number of digits.
+/// Parses a number with exactly this number of digits.
 fn digits(text: &str, length: usize) -> Option<u16> {
     let is_number = text.len() == length && text.bytes().all(|byte| byte.is_ascii_digit());
     is_number.then(|| text.parse().ok())?

@@ -21,14 +21,14 @@ pub(super) struct TypeCounts {
     /// True if the definitions contain the type.
     pub(super) is_known: bool,
     pub(super) messages: TypeCount,
-    /// The messages from the server, by direction.
+    /// The messages that the server sent, by direction.
     from_server: [FromServer; 3],
 }
 
 /// The messages of a type that the server sent in one direction.
 #[derive(Clone, Copy, Default)]
 pub(super) struct FromServer {
-    /// True if there is a body schema. A type may have no schema for some directions.
+    /// True if there is a body schema for the direction. A type may lack a schema for some directions.
     pub(super) is_checked: bool,
     pub(super) tally: Tally,
     /// The number of values in the bodies.
@@ -46,12 +46,12 @@ impl TypeCounts {
         Self { is_known: schemas.has(name), messages, from_server }
     }
 
-    /// The messages that the server sent in a direction.
+    /// The counts of the messages that the server sent in a direction.
     pub(super) fn sent_by_server(&mut self, direction: Direction) -> &mut FromServer {
         &mut self.from_server[direction as usize]
     }
 
-    /// The messages from the server, by direction, without the directions in which it sent none.
+    /// The counts of the messages that the server sent, by direction. Directions without messages are left out.
     pub(super) fn directions(&self) -> impl Iterator<Item = (Direction, &FromServer)> {
         let all = Direction::ALL.into_iter().zip(&self.from_server);
         all.filter(|(_, found)| found.tally.records > 0)

@@ -17,7 +17,7 @@ use crate::Source;
 use crate::limits::{MAX_CLUE_BYTES, MAX_CLUE_TEXT};
 use crate::topic::{full_name, shows_type, topic_of};
 
-/// The maximum number of values in a row that show nothing new.
+/// The maximum number of consecutive values that contain no new facts.
 const MAX_KNOWN: u32 = 200;
 
 /// Reads the first non-empty message of each topic and type.
@@ -58,7 +58,8 @@ pub(super) fn clues(source: &mut Source<'_>) -> Clues {
 #[derive(Default)]
 pub(crate) struct Found {
     clues: Clues,
-    /// The formats of topics outside of PX4's folders, by name. They may have another type in spite of their names.
+    /// The formats of topics outside of PX4's folders, by name. In spite of its name, such a topic may have another
+    /// type.
     guesses: BTreeMap<String, FormatClue>,
     /// The types of topics, by the topic's name.
     types: HashMap<String, String>,
@@ -84,8 +85,8 @@ impl Found {
         self.clues
     }
 
-    /// Adds the first non-empty message of a topic or type. If the type is stated, adds an empty message until a
-    /// non-empty message replaces it: some types have no fields. `ty` is the stated type.
+    /// Adds the first non-empty message of a topic or type. If `ty`, the stated type, is known, an empty message is
+    /// added until a non-empty message replaces it, because some types have no fields.
     fn add(&mut self, topic: Option<&str>, ty: Option<String>, message: &Tree<'_>, text: &str) {
         let Tree::Object(members) = message else { return };
         let Self { clues, guesses, num_bytes, .. } = self;
@@ -129,7 +130,7 @@ impl Found {
     }
 }
 
-/// The full ROS name of a type. The package may have another name here, as in `px4/VehicleStatus`.
+/// The full ROS name of a type. Replaces package names that only JSON uses, as in `px4/VehicleStatus`.
 fn type_name(ty: &str) -> String {
     let full = full_name(ty);
     match full.split_once('/') {

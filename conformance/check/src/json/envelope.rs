@@ -52,25 +52,25 @@ pub(super) struct Open {
     pub(super) key: Option<&'static str>,
     /// True if the definition, or its absence, is final.
     pub(super) is_decided: bool,
-    /// True if the message that decided has the keys of the definition.
+    /// True if the message that decided the definition has the keys of the definition.
     pub(super) has_keys: bool,
     pub(super) tally: Tally,
     /// The size of the messages in memory, in bytes; 0 if it varies, or if no rule needs their values.
     pub(super) num_bytes: usize,
-    /// The line of the message that decided.
+    /// The line of the message that decided the definition.
     pub(super) line: u64,
 }
 
 /// All topics and types in the capture.
 #[derive(Debug, Default)]
 pub(super) struct Channels {
-    /// The channel for all values, if the caller set a type.
+    /// The channel of all values, if the caller set a type.
     pub(super) only: Option<usize>,
     pub(super) open: Vec<Open>,
     names: Names,
 }
 
-/// The indices of topics and types, by the kind of the name and the name.
+/// The indices of topics and types, by name. There is a map for each kind of name.
 pub(crate) type Names = [HashMap<String, usize>; 2];
 
 impl Channels {
@@ -78,7 +78,7 @@ impl Channels {
         self.names[which as usize].get(name).copied()
     }
 
-    /// The channel of a name, if its definition is decided.
+    /// The channel with this name, if its definition is decided.
     pub(super) fn decided(&self, which: NameKind, name: &str) -> Option<usize> {
         self.get(which, name).filter(|at| self.open[*at].is_decided)
     }
@@ -164,7 +164,7 @@ pub(super) fn read(text: &str, channels: &Channels, plans: &Plans<'_>, values: &
     fast.ok().filter(|_| tokens.end().is_ok()).unwrap_or(Fast::Unclear)
 }
 
-/// A partially read record. The type must precede the message, as it usually does. [`form`] accepts any order.
+/// A partially read record. The type must precede the message, which is the usual order. [`form`] accepts any order.
 struct Envelope<'c> {
     channels: &'c Channels,
     plans: &'c Plans<'c>,
@@ -206,7 +206,7 @@ impl Envelope<'_> {
         Ok(())
     }
 
-    /// Reads a name and looks up its channel.
+    /// Reads a name, and looks up its channel.
     fn known(&self, which: NameKind, tokens: &mut Tokens<'_>) -> Result<Option<usize>, Unclear> {
         let channel = self.channels.decided(which, &tokens.text()?);
         if channel.is_some() { Ok(channel) } else { Err(Unclear) }

@@ -17,7 +17,8 @@ pub(super) struct Context<'c> {
 }
 
 impl Context<'_> {
-    /// The lane of a topic, a subject and a name. Creates a lane without a label if there is room.
+    /// Returns the index of the lane with this topic, subject and name. If the lane doesn't exist, creates it without a
+    /// label, unless there are too many lanes.
     pub(super) fn lane(&mut self, key: (&str, &str, &str), rank: usize, kind: LaneKind) -> Option<usize> {
         let (topic, _, name) = key;
         self.lanes.get(key, || Lane { rank, ..Lane::new(topic, name, kind) })

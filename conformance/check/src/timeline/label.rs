@@ -66,7 +66,7 @@ impl Label {
 impl Texts {
     /// The texts of the definitions at a path, or of the built-in definitions.
     pub fn load(path: Option<&Path>) -> Result<Self, Failure> {
-        // Only a configuration file names catalogues.
+        // Only a configuration file names translation catalogues.
         let is_configured = |path: &&Path| {
             path.is_file() && path.extension().is_some_and(|extension| extension == "toml")
                 || path.join(CONFIGURATION).is_file()
@@ -92,8 +92,8 @@ impl Texts {
         translations.languages.iter().map(translated).collect()
     }
 
-    /// The definitions of error codes, modes and connections. Definitions without them, such as PX4 definitions, use the
-    /// built-in ones.
+    /// The definitions of error codes, modes and connections. If the given definitions lack them, as PX4 definitions
+    /// do, returns the built-in definitions.
     pub(super) fn of_session<'t>(&'t self, definitions: &'t Definitions) -> &'t Definitions {
         if definitions.schema.json_types.is_empty() { &self.built_in.0 } else { definitions }
     }

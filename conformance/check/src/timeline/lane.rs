@@ -105,7 +105,7 @@ impl Part {
         Self { name: shortened(&name.into()), label }
     }
 
-    /// True if a text is the name or the label in English, if case is ignored.
+    /// True if a text is the name or the English label, ignoring case.
     pub fn is_named(&self, text: &str) -> bool {
         let is_same = |known: &str| known.eq_ignore_ascii_case(text);
         is_same(&self.name) || self.label.as_ref().is_some_and(|label| is_same(&label.text))
@@ -151,7 +151,7 @@ impl Lane {
         self.values.get(1).filter(|_| self.kind == LaneKind::Flag).map_or(0, |set| set.duration_us)
     }
 
-    /// The changes that a report lists: a flag that is cleared at the start isn't listed.
+    /// The changes that a report lists. A flag that is cleared at the start isn't listed.
     pub fn listed(&self) -> impl Iterator<Item = &Change> {
         self.changes.iter().filter(|change| !self.is_quiet(change))
     }
@@ -195,12 +195,12 @@ pub(super) struct Lanes {
     /// The index of each lane, by topic, subject and name.
     by_key: HashMap<(String, String, String), usize>,
     num_changes: usize,
-    /// The number of lanes that there was no room for. Each attempt counts.
+    /// The number of times a lane couldn't be created, because there were too many.
     pub(super) more: u64,
 }
 
 impl Lanes {
-    /// The lane of a subject's field. Creates the lane if there is room.
+    /// Returns the index of a lane. If the lane doesn't exist, creates it with `make`, unless there are too many lanes.
     pub(super) fn get(
         &mut self,
         (topic, subject, name): (&str, &str, &str),
@@ -220,7 +220,7 @@ impl Lanes {
         Some(self.all.len() - 1)
     }
 
-    /// Changes the subject of a lane, unless the new subject has a lane already.
+    /// Changes the subject of a lane, unless the new subject already has a lane.
     pub(super) fn rename(&mut self, (topic, subject, name): (&str, &str, &str), renamed: &str) {
         let key = |subject: &str| (topic.to_owned(), subject.to_owned(), name.to_owned());
         if self.by_key.contains_key(&key(renamed)) {
@@ -232,7 +232,7 @@ impl Lanes {
         }
     }
 
-    /// Ends the current value of a lane, if the lane exists. It may get further values later.
+    /// Ends the current value of a lane, if the lane exists. The lane may get further values later.
     pub(super) fn end(&mut self, (topic, subject, name): (&str, &str, &str), time: u64) {
         let key = (topic.to_owned(), subject.to_owned(), name.to_owned());
         if let Some(lane) = self.by_key.get(&key) {
@@ -256,7 +256,7 @@ impl Lanes {
         self.set_index(lane, time, is_set.into());
     }
 
-    /// States that a flag was cleared when its subject first appeared.
+    /// Records that a flag was cleared when its subject first appeared.
     pub(super) fn start_cleared(&mut self, lane: usize, time: u64) {
         self.all[lane].current.get_or_insert((0, time));
     }
@@ -267,7 +267,7 @@ impl Lanes {
         if current.is_none_or(|(known, _)| known != value) {
             self.all[lane].close(time);
             self.all[lane].current = Some((value, time));
-            // A lane that ended may have earlier values.
+            // A lane that has ended may have earlier values.
             let is_first = current.is_none() && self.all[lane].messages == 1;
             self.push(lane, time, value, is_first);
         }
@@ -295,7 +295,7 @@ impl Lanes {
         }
     }
 
-    /// Returns the lanes in the order of the timeline. Times are relative to `start` from now on.
+    /// Returns the lanes in the order of the timeline, with times relative to `start`.
     pub(super) fn finish(self, start: u64, end: u64) -> Vec<Lane> {
         let mut lanes = self.all;
         let start = i64::try_from(start).unwrap_or(i64::MAX);

@@ -42,15 +42,15 @@ pub(super) struct Topic {
 enum TopicKind {
     /// A lane for each of these fields, in this order.
     Fields(&'static [Field]),
-    /// A lane for each flag, for the fields in the list, and for the unmet mode requirements.
+    /// A lane for each flag, for each of these fields, and for the unmet mode requirements.
     Flags(&'static [Field]),
     /// A lane for each component that replies.
     Replies,
-    /// A lane for the registrations that requests address.
+    /// A lane for the components that a request addresses, by their registrations.
     Requests,
     /// Each message is an event.
     Events,
-    /// Reports takeoffs and landings.
+    /// No lane. The messages report takeoffs and landings.
     Landed,
     /// Each message registers or removes a component.
     Registrations,
@@ -60,11 +60,12 @@ enum TopicKind {
 #[derive(Debug)]
 struct Field {
     name: &'static str,
-    /// The constants of the values, if the definition doesn't bind an enum to the field. Otherwise, the field is a flag.
+    /// The constants that denote the field's values, if the definition doesn't bind an enum to the field. Without
+    /// constants or an enum, the field is a flag.
     constants: Option<Constants>,
 }
 
-/// Constants that releases of PX4 use without binding them to a field.
+/// The constants for the values of a field to which some PX4 releases don't bind them.
 #[derive(Debug)]
 struct Constants {
     /// The topic of the message with the constants.
@@ -116,10 +117,10 @@ pub(super) static TOPICS: [Topic; 10] = [
 /// The subject of the first instance of a topic in a log.
 const FIRST_INSTANCE: &str = "instance 0";
 
-/// The number of ranks that a topic's lanes share: one for each field.
+/// The number of ranks that are reserved for a topic's lanes, which have one rank for each field.
 const RANKS: usize = 1_000;
 
-/// Finds the topic of the timeline that a channel carries.
+/// Finds the index of the timeline topic that a channel carries.
 pub(super) fn topic_of(channel: &Channel<'_>, definitions: &Definitions) -> Option<usize> {
     let message = definitions.schema.message(channel.definition?);
     let is_px4 = definitions.schema.package_of(message).form == Form::Msg(Dialect::Px4);
@@ -129,7 +130,7 @@ pub(super) fn topic_of(channel: &Channel<'_>, definitions: &Definitions) -> Opti
     TOPICS.iter().position(|topic| is_px4 && is_published(topic.name) && !is_other(topic.name))
 }
 
-/// The name of the topic of the timeline that a channel carries.
+/// The name of the timeline topic that a channel carries.
 pub fn topic_name(channel: &Channel<'_>, definitions: &Definitions) -> Option<&'static str> {
     topic_of(channel, definitions).map(|topic| TOPICS[topic].name)
 }
@@ -138,7 +139,7 @@ pub fn topic_name(channel: &Channel<'_>, definitions: &Definitions) -> Option<&'
 #[derive(Default)]
 pub(super) struct Px4 {
     channels: Vec<Option<Open>>,
-    /// The number of channels of each full topic outside of logs.
+    /// The number of channels for each full topic name, outside of logs.
     carriers: HashMap<String, usize>,
     requirements: Requirements,
     arming: arming::Arming,
@@ -152,18 +153,18 @@ struct Open {
     /// The instance in a log; otherwise, the topic with its namespace.
     subject: Arc<str>,
     definition: MessageId,
-    /// The fields that produce lanes, once the first message has arrived.
+    /// The fields that produce lanes. Set when the first message arrives.
     watched: Option<Vec<Watched>>,
 }
 
 /// A field that produces a lane.
 struct Watched {
-    /// The index in messages.
+    /// The index of the field in messages.
     index: usize,
     name: String,
     constants: Option<&'static Constants>,
     rank: usize,
-    /// The lane with its latest value.
+    /// The lane, and its latest value.
     lane: Option<(usize, i128)>,
 }
 
@@ -183,7 +184,7 @@ impl Px4 {
         is_open
     }
 
-    /// The name of a topic's channel.
+    /// The subject of a channel's lanes.
     fn subject(&mut self, channel: &Channel<'_>) -> String {
         if let Some(instance) = channel.multi_id {
             return format!("instance {instance}");
@@ -196,8 +197,8 @@ impl Px4 {
         }
     }
 
-    /// Follows a message. Returns its topic if the timeline needs the message. The error is the topic of an unreadable
-    /// message.
+    /// Follows a message. Returns its topic if the message belongs to the timeline. If the message is unreadable, the
+    /// topic is returned as an error.
     pub(super) fn message(
         &mut self,
         channel: &Channel<'_>,
@@ -235,7 +236,7 @@ impl Px4 {
     }
 }
 
-/// Removes the subjects of topics that have a single channel, unless the channel isn't the first instance.
+/// Removes the subjects of topics that have only one channel, unless this channel isn't the first instance.
 pub(super) fn hide_only_channels(lanes: &mut [Lane]) {
     for Topic { name, kind } in &TOPICS {
         if !matches!(kind, TopicKind::Fields(_) | TopicKind::Flags(_) | TopicKind::Events) {
@@ -284,7 +285,7 @@ impl Open {
     }
 }
 
-/// A field of a message that the definition contains.
+/// A field of a message that the definition also contains.
 struct Defined<'v> {
     /// The index in the message.
     index: usize,
@@ -292,7 +293,7 @@ struct Defined<'v> {
     value: FieldValue<'v>,
 }
 
-/// The fields of a message in the order of the definition. In logs, the order differs.
+/// The fields of a message that the definition contains, in the order of the definition. Logs have a different order.
 fn defined<'v>(id: MessageId, values: DynamicView<'v>, definitions: &Definitions) -> Vec<Defined<'v>> {
     let fields = &definitions.schema.message(id).fields;
     let found = fields.iter().filter_map(|field| {
@@ -303,7 +304,7 @@ fn defined<'v>(id: MessageId, values: DynamicView<'v>, definitions: &Definitions
     found.collect()
 }
 
-/// The fields of a message that produce lanes.
+/// The fields of a message that produce lanes. `fields` are the fields in the list; `has_flags` adds all flags.
 fn watched(topic: &str, fields: &'static [Field], has_flags: bool, values: Vec<Defined<'_>>) -> Vec<Watched> {
     let mut found = Vec::new();
     for (at, Defined { index, name, value }) in values.into_iter().enumerate() {
@@ -316,7 +317,7 @@ fn watched(topic: &str, fields: &'static [Field], has_flags: bool, values: Vec<D
             index,
             name: name.to_owned(),
             constants: known.and_then(|at| fields[at].constants.as_ref()),
-            // Flags have the order of the definition.
+            // Flags are in the order of the definition.
             rank: rank_of(topic) + known.filter(|_| !has_flags).unwrap_or(at),
             lane: None,
         });
@@ -372,7 +373,7 @@ impl Constants {
     }
 }
 
-/// The value of a field that has constants, in messages of a topic of the timeline. `None` for other fields.
+/// The value of a field, if the field has constants and belongs to a timeline topic. `None` for other fields.
 pub fn state_value(
     (topic, field): (&str, &str),
     id: MessageId,
@@ -422,7 +423,8 @@ fn constant(
     Part::new(name, label.or_else(|| texts.built_in_value(message, field, name)))
 }
 
-/// The message, the name without the prefix, and the index of the first constant with a value and one of the prefixes.
+/// Finds the first constant that has this value and one of the prefixes. Returns its message, its name without the
+/// prefix, and its index.
 fn by_prefix<'d>(
     id: MessageId,
     constants: &Constants,

@@ -37,7 +37,7 @@ struct Uav {
 }
 
 impl Session {
-    /// Follows a record. Returns the type of a message that the timeline needs.
+    /// Follows a record. Returns the type of the message if it belongs to the timeline.
     pub(super) fn record(
         &mut self,
         record: &SessionRecord<'_>,
@@ -77,7 +77,7 @@ impl Session {
             let value = value("FlightMode", mode, context.texts.of_session(context.definitions));
             set((UAV, id, "mode"), 2, value, context);
         }
-        // Without the field, the errors are unknown.
+        // Without this field, the error codes are unknown.
         let Some(Tree::List(codes)) = state.get("errors") else { return };
         let time = context.time;
         let uav =
@@ -87,7 +87,7 @@ impl Session {
             if !uav.codes.contains_key(code)
                 && let Some(lane) = error_lane(id, *code, context)
             {
-                // The code wasn't in the earlier statuses.
+                // Earlier statuses didn't contain the code.
                 if uav.first < time {
                     context.lanes.start_cleared(lane, uav.first);
                 }

@@ -21,7 +21,7 @@ fn timeline(bytes: &[u8], definitions: &Definitions) -> Timeline {
     Timeline::of_bytes(bytes, definitions, &texts()).expect("a readable capture")
 }
 
-/// A flight in which a flag is set in these rounds.
+/// A flight in which a flag is set in the rounds for which `is_set` returns true.
 fn flight_with_flag(definitions: &Definitions, is_set: impl Fn(u64) -> bool) -> Flight<'_> {
     let mut flight = Flight::new(definitions);
     let topic = flight.topic("FailsafeFlags").expect("a topic");
@@ -41,7 +41,7 @@ fn lane<'s>(timeline: &'s Timeline, topic: &str, name: &str) -> &'s Lane {
     found.next().unwrap_or_else(|| panic!("no lane {topic}.{name}"))
 }
 
-/// The times in µs and the names of the values of a lane.
+/// The changes of a lane: the times in µs, and the names of the new values.
 fn changes(lane: &Lane) -> Vec<(i64, String)> {
     let names = |value: &Value| value.parts.iter().map(|part| &*part.name).collect::<Vec<_>>().join("; ");
     lane.changes.iter().map(|change| (change.time_us, names(&lane.values[change.value]))).collect()
@@ -93,7 +93,7 @@ fn all_encodings_tell_the_same_timeline() {
     let lanes_in = |encoding: Encoding| {
         let mut bytes = encoding.write(&flight).expect("an encoded flight");
         if encoding == Encoding::Ulog {
-            // The other encodings have no event metadata.
+            // The other encodings contain no event metadata.
             let mut log = flight.log();
             log.entries.retain(|entry| !matches!(entry, Entry::Metadata(_)));
             bytes = log.to_bytes();
@@ -346,7 +346,7 @@ fn tells_the_errors_and_modes_of_a_session() {
     assert_eq!(texts_of(&changes(ground)), [(1_000_000, "set"), (2_000_000, "cleared")]);
     assert!(ground.changes[0].is_first);
     assert_eq!(of("7", "40000").label, None, "the code is unknown");
-    // Without the field, the errors are unknown.
+    // Without this field, the error codes are unknown.
     assert_eq!(texts_of(&changes(of("8", "66 LOWBAT"))), [(1_000_000, "set")]);
     assert_eq!(of("8", "66 LOWBAT").set_us(), 4_000_000);
     let modes = of("8", "mode");

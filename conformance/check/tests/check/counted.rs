@@ -1,4 +1,4 @@
-//! Tests of arrays whose used elements are counted by another field.
+//! Tests of arrays with a separate count field, which states how many elements are used.
 
 use std::fs;
 
@@ -87,7 +87,7 @@ fn tow() -> (TempDir, Definitions) {
     (folder, definitions)
 }
 
-/// Checks a message with counted ropes and counted knots. Each knot has counted turns.
+/// Checks a message with counted ropes and counted knots. Each knot contains counted turns.
 fn check_tow(ropes: (u8, [u8; 4]), num_knots: i8, knots: [(u8, [u8; 3], u8); 2]) -> CaptureResult {
     let mut log = Writer::with_flags();
     log.format(
@@ -126,7 +126,7 @@ fn ignores_unused_array_elements() {
         ((4, [10; 4]), 2, [knot, (1, [1, 0, 0], 1)], ""),
         ((4, [10; 4]), 2, [knot, (2, [1, 0, 0], 1)], "knots[1].turns[1]"),
         ((4, [10; 4]), 2, [knot, (3, [1, 1, 1], 153)], "knots[1].is_firm"),
-        // These counts don't say which elements are in use.
+        // These counts don't indicate which elements are in use.
         ((4, [10; 4]), -1, [knot, (1, [0; 3], 1)], ""),
         ((255, [0; 4]), 2, firm, ""),
     ] {

@@ -7,7 +7,7 @@ use uavspec_test_support::Writer;
 
 use super::{Glider, PERIOD, defined, run_check, start, violated};
 
-/// The time of the first message. This time isn't a multiple of the period, since logging starts later than the system.
+/// The time of the first message. It isn't a multiple of the period, because logging starts later than the system.
 const FIRST: u64 = 1_234_567;
 
 /// Adds glider messages at these times.
@@ -17,7 +17,7 @@ fn at(log: &mut Writer, times: impl IntoIterator<Item = u64>) {
     }
 }
 
-/// Creates a log with this number of regular messages. Returns the log and the time of its last message.
+/// Creates a log with this number of messages at regular times. Returns the log and the time of its last message.
 fn regular(messages: u64) -> (Writer, u64) {
     let mut log = start();
     at(&mut log, (0..messages).map(|number| FIRST + number * PERIOD));
@@ -39,8 +39,8 @@ fn covered(result: &CaptureResult, id: &str) -> u64 {
     result.findings.covered(rule(id).expect("a rule"))
 }
 
-/// Asserts that a message at the time `last` has no finding, and that a message one microsecond later is reported as a
-/// gap.
+/// Asserts that a message at the time `last` has no finding, and that a message one microsecond later is reported after
+/// a gap.
 fn check_longest(log: &Writer, last: u64) {
     for (time, is_pause) in [(last, false), (last + 1, true)] {
         let mut log = log.clone();
@@ -73,7 +73,7 @@ fn reports_no_gap_before_the_period_is_learned() {
     }
 }
 
-/// A log starts with the latest message of each topic. These messages may be old, and several may have the same time.
+/// A log starts with the latest message of each topic. These messages may be old, and may have the same time.
 #[test]
 fn reports_no_gap_after_an_old_first_message() {
     for first in [FIRST - 1, FIRST - 100, FIRST - 500_000] {
@@ -155,7 +155,7 @@ fn reports_one_finding_per_wrong_time() {
     assert_eq!(count(&[FIRST, 0, second]), 0);
 }
 
-/// After a new subscription with the same id, timing checks start over, even for the same topic.
+/// After a new subscription with the same id, timing checks start over, even if the topic is the same.
 #[test]
 fn a_new_subscription_starts_over() {
     let (mut log, last) = regular(40);
@@ -171,7 +171,7 @@ fn a_new_subscription_starts_over() {
 fn reports_a_queue_overflow_once() {
     for (messages, found) in [(1, 0), (2, 0), (3, 1), (9, 1)] {
         let (mut log, last) = regular(40);
-        // Unpublished instances have no time, and don't count.
+        // Unpublished instances have no time, and are ignored.
         at(&mut log, [0; 5]);
         at(&mut log, vec![last + PERIOD; messages]);
         at(&mut log, [last + 2 * PERIOD, last + 2 * PERIOD]);
@@ -209,7 +209,7 @@ fn check_sonde(topics: &[&str], times: &[u64]) -> CaptureResult {
     check_ulog(&log.bytes[..], &definitions)
 }
 
-/// Checks a rosbridge message on each of these topics of PX4.
+/// Checks a rosbridge message on each of these PX4 topics.
 fn check_published(topics: &[&str]) -> CaptureResult {
     let (_folder, definitions) = defined(&[("Sonde.msg", SONDE)]);
     let line = |topic: &&str| {
@@ -223,7 +223,7 @@ fn check_published(topics: &[&str]) -> CaptureResult {
 #[test]
 fn a_topic_with_bursts_has_no_regular_period() {
     let mut log = start();
-    // Five messages follow each other quickly, and then there is a longer pause.
+    // Five messages follow each other quickly. Then, there is a longer pause.
     at(&mut log, (0..40).flat_map(|burst| (0..5).map(move |number| FIRST + burst * 40 * PERIOD + number)));
     assert_eq!(violated(&run_check(&log)), []);
 }
@@ -254,7 +254,7 @@ fn reads_a_version_suffix_unless_a_topic_has_that_name() {
     assert_eq!(violated(&result), [("PX-VER-01", message.to_owned())]);
 }
 
-/// A vendor's topic may end with any number.
+/// The name of a vendor's topic may end with any number.
 #[test]
 fn topics_in_logs_have_no_version() {
     let result = check_sonde(&["sonde", "sonde_v3", "sonde_v4", "sonde_v8"], &[FIRST]);

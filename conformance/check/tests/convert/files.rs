@@ -40,7 +40,7 @@ fn metadata(name: &str) -> Vec<u8> {
     file::record(12, &[&file::text(name.as_bytes()), &file::text(&pair)])
 }
 
-/// The records of an output that aren't messages, schemas or channels.
+/// The records of an output other than messages, schemas and channels.
 fn others(bytes: &[u8]) -> Vec<(u8, Vec<u8>)> {
     let mut found: Vec<(u8, Vec<u8>)> = Vec::new();
     let mut reader = Reader::new(bytes);
@@ -61,7 +61,7 @@ fn others(bytes: &[u8]) -> Vec<(u8, Vec<u8>)> {
 
 #[test]
 fn attachments_metadata_and_private_records_are_copied() {
-    // The first doesn't fit in memory.
+    // The first attachment is too large to be kept in memory.
     let large = (0..=255).collect::<Vec<u8>>().repeat(17 << 12);
     let others_in = [
         attachment("notes.txt", &large),
@@ -164,7 +164,7 @@ fn the_indexes_lead_to_each_message() {
     assert_eq!((statistics.message_start_time, statistics.message_end_time), (7, 7));
 }
 
-/// The only message of an output, with its channel's metadata and its schema.
+/// The only message of an output, with the metadata of its channel and its schema.
 fn only(output: &[u8]) -> (String, BTreeMap<String, String>, (String, String, String)) {
     let message = ::mcap::MessageStream::new(output).expect("a bag").next().expect("a message").expect("CDR");
     let schema = message.channel.schema.as_ref().expect("a schema");
@@ -242,7 +242,7 @@ fn payloads(output: &[u8]) -> Vec<String> {
     texts.map(|text| text.expect("text")).collect()
 }
 
-/// Other programs use the names of PX4's topics for other types.
+/// Other programs use the names of PX4 topics for other types.
 #[test]
 fn names_of_json_channels_outside_of_px4_need_the_keys_of_the_type() {
     let (robot, px4) = ("/robot/arming_check_request", "/robot/fmu/out/arming_check_request");
@@ -258,7 +258,7 @@ fn names_of_json_channels_outside_of_px4_need_the_keys_of_the_type() {
         (robot, "Request", &["{}", "[1]", "{", other], &["{}", "[1]", "{", other], Action::Copied),
         (robot, "Request", &["{}", "{}"], &["{}", "{}"], Action::Copied),
         (robot, "Request", &[], &[], Action::Copied),
-        // A schema and PX4's folders leave nothing to guess.
+        // If there is a schema, or the topic is in one of PX4's folders, the type isn't a guess.
         (robot, "px4/ArmingCheckRequest", &[other], &[], Action::Converted),
         (px4, "Request", &[other], &[], Action::Converted),
     ] {
@@ -283,7 +283,7 @@ fn names_of_json_channels_outside_of_px4_need_the_keys_of_the_type() {
     }
 }
 
-/// Waiting messages are written after the messages of other channels, and the statistics count them.
+/// Messages that waited for a decision are written after the messages of other channels, and the statistics count them.
 #[test]
 fn messages_without_keys_wait_for_a_decision() {
     let sent = r#"{"timestamp":9,"request_id":3}"#;
@@ -389,7 +389,7 @@ fn names_are_limited() {
     assert_eq!((checked(&output).result.records, others(&output).len()), (1, 2));
 }
 
-/// The topics that are left out after one message, with the reasons.
+/// The topics whose only message was left out, with the reasons.
 fn left_out(report: &ConversionReport) -> impl Iterator<Item = (&str, &str)> {
     let topics = report.topics.iter().filter(|topic| topic.action == Action::LeftOut && topic.messages == 1);
     topics.map(|topic| (&*topic.topic, topic.reason.as_deref().unwrap_or_default()))
@@ -473,7 +473,7 @@ fn messages_of_an_unknown_release_are_left_out() {
         assert_eq!((found.records, found.checked, found.findings.groups().count()), (1, 0, 0), "{encoding}");
         let (report, output) = converted(&bytes, "px4@1.15", Settings::default());
         assert_eq!(report.count(Action::LeftOut), 1, "{}", report.to_text());
-        assert!(report.to_text().contains("name it with --from"), "{}", report.to_text());
+        assert!(report.to_text().contains("specify it with --from"), "{}", report.to_text());
         assert_eq!(checked(&output).result.records, 0);
         let (kept, _) = converted(&bytes, "px4@1.15", Settings { keeps_unconverted: true });
         assert_eq!(kept.count(Action::Copied), 1, "{}", kept.to_text());

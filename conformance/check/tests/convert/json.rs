@@ -44,7 +44,7 @@ fn converted_lines_agree_with_the_target_release() {
             let found = checked_against(&output, target).result;
             assert_eq!(found.records, flight.messages.len() as u64 - left_out);
             let Summary::Json(summary) = &found.summary else { panic!("JSON") };
-            // A topic keeps its name if the target has several topics instead of it.
+            // A topic keeps its name if several topics of the target replace it.
             let unknown = summary.undefined.len();
             assert!(
                 unknown <= 5 && (unknown == 0 || encoding == Encoding::Rosbridge),
@@ -56,7 +56,7 @@ fn converted_lines_agree_with_the_target_release() {
                 (0, found.records - 2 * unknown as u64),
                 "{from} {to}"
             );
-            // A value that is valid only in the source is unchanged.
+            // A value that is valid only in the source release is copied unchanged.
             let is_form = |id: &&str| !["PX-ENUM-01", "PX-RANGE-01"].contains(id);
             let wrong: Vec<&str> =
                 found.findings.groups().map(|group| group.rule.id).filter(is_form).collect();
@@ -140,7 +140,7 @@ fn published(topic: &str, message: &str) -> String {
     format!(r#"{{"op":"publish","topic":"{topic}","msg":{message}}}"#)
 }
 
-/// Other programs use the names of PX4's topics for other types.
+/// Other programs use the names of PX4 topics for other types.
 #[test]
 fn names_of_topics_outside_of_px4_need_the_keys_of_the_type() {
     let (robot, px4) = ("/robot/arming_check_request", "/robot/fmu/out/arming_check_request");
@@ -155,11 +155,11 @@ fn names_of_topics_outside_of_px4_need_the_keys_of_the_type() {
         ("", robot, &[other, sent][..], &[other, sent][..], Action::Copied),
         ("", robot, &[sent, sent], &[new, new], Action::Converted),
         ("", robot, &[sent, other], &[new], Action::Converted),
-        // An operation without a type decides nothing.
+        // An operation without a type doesn't decide anything.
         (subscribed.as_str(), robot, &[sent], &[new], Action::Converted),
         (subscribed.as_str(), robot, &[other], &[other], Action::Copied),
         (subscribed.as_str(), robot, &[], &[], Action::Copied),
-        // A stated type and PX4's folders leave nothing to guess.
+        // If a type is stated, or the topic is in one of PX4's folders, the type isn't a guess.
         (px4_type.as_str(), robot, &[other], &[], Action::Converted),
         (club_type.as_str(), robot, &[sent], &[sent], Action::Copied),
         ("", px4, &[other], &[], Action::Converted),
@@ -181,7 +181,7 @@ fn names_of_topics_outside_of_px4_need_the_keys_of_the_type() {
     }
 }
 
-/// The first non-empty message decides, or the type that is stated before it. Earlier messages are copied.
+/// The first non-empty message determines the type, unless a type is stated before it. Earlier messages are copied.
 #[test]
 fn messages_without_keys_decide_nothing() {
     let topic = "/robot/arming_check_request";
@@ -196,7 +196,7 @@ fn messages_without_keys_decide_nothing() {
         (&[&empty, &sent][..], &[&empty, &new][..], Some("1 message")),
         (&[&empty, &null, &sent, &sent], &[&empty, &null, &new, &new], Some("2 messages")),
         (&[&empty, &typed, &sent], &[&empty, &typed, &new], Some("1 message")),
-        // The last type that is stated before the first non-empty message applies.
+        // Of the types that are stated before the first non-empty message, the last one applies.
         (&[&empty, &club, &typed, &sent], &[&empty, &club, &typed, &new], Some("1 message")),
         (&[&club, &empty, &typed, &sent], &[&club, &empty, &typed, &new], Some("1 message")),
         (&[&empty, &typed, &club, &other], &[&empty, &typed, &club, &other], None),
@@ -232,7 +232,7 @@ fn topics_keep_the_name_under_which_lines_were_copied() {
     let subscribed = "{\"op\":\"subscribe\",\"topic\":\"/robot/gps_inject_data\"}\n";
     assert!(!renamed(subscribed));
     assert!(!renamed(&empty));
-    // A type may be stated repeatedly.
+    // A type may be stated several times.
     let advertised = "{\"op\":\"advertise\",\"topic\":\"/robot/gps_inject_data\",\
                       \"type\":\"px4_msgs/msg/GpsInjectData\"}\n";
     assert!(!renamed(&[subscribed, advertised, advertised].concat()));
@@ -255,7 +255,7 @@ fn names_that_only_the_target_defines_need_the_keys_of_the_type() {
         assert_eq!((found.action, found.messages, found.unreadable), (action, 1, 0), "{line}");
         assert_eq!(output, if action == Action::Copied { line.as_str() } else { "" });
     }
-    // Earlier empty messages are copied if the name of their topic may have another meaning.
+    // Earlier empty messages are copied if other programs may use the name of their topic.
     for (topic, copied, end) in [
         ("/robot/battery_info", 1, "defines it; copied: 1 message without keys"),
         ("/fmu/out/battery_info", 0, "defines it"),
@@ -269,7 +269,7 @@ fn names_that_only_the_target_defines_need_the_keys_of_the_type() {
     }
 }
 
-/// Both releases define `battery_status`, with other fields.
+/// Both releases define `battery_status`, but with fields other than those of the message.
 #[test]
 fn topics_that_resemble_no_definition_are_copied() {
     let other = published("/robot/battery_status", r#"{"voltage":12.1,"percentage":0.5}"#);

@@ -16,15 +16,15 @@ use super::{checked, converted, flight_with, release};
 const RELEASES: [&str; 7] =
     ["px4@1.13", "px4@1.14", "px4@1.15", "px4@1.16", "px4@1.17", "px4@1.18", "px4@main"];
 
-/// The pairs of neighbours in both directions; in quick mode, a pair of each direction.
+/// The pairs of neighbouring releases, in both directions. In quick mode, one pair for each direction.
 fn neighbours() -> impl Iterator<Item = (&'static str, &'static str)> {
     let pairs = RELEASES.windows(2).map(|pair| (pair[0], pair[1]));
     let both = pairs.flat_map(|(old, new)| [(old, new), (new, old)]);
     both.skip(extent(0, 6)).step_by(extent(1, 5))
 }
 
-/// A bag of a short flight. In quick mode, it has the topics whose messages differ between the releases, and every eighth
-/// of the other topics.
+/// A bag of a short flight. In quick mode, it contains only the topics whose messages differ between the releases, and
+/// every eighth of the other topics.
 fn bag_between(from: &str, to: &str) -> Vec<u8> {
     let hash = |label: &str, topic: &str| {
         let definitions = release(label).base();
@@ -63,7 +63,7 @@ fn only_unchecked_fields_of_converted_bags_violate_the_target_release() {
     }
 }
 
-/// The messages of a bag as JSON, by topic.
+/// The messages of a bag as JSON, by topic. `label` is the release of the bag.
 fn messages(bytes: &[u8], label: &str) -> BTreeMap<String, Vec<Value>> {
     let definitions = release(label).base();
     let (mut topics, mut schemas) = (BTreeMap::new(), BTreeMap::new());

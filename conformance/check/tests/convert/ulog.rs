@@ -34,7 +34,7 @@ fn messages(bytes: &[u8], kinds: &[u8]) -> Vec<Vec<u8>> {
     found
 }
 
-/// The topics that don't have the format of the definitions.
+/// The topics whose format differs from the definition.
 fn differing(found: &Checked) -> Vec<&str> {
     let Summary::Log(summary) = &found.result.summary else { panic!("a log") };
     let other = summary.formats.iter().filter(|format| format.result != FormatResult::Equal);
@@ -73,7 +73,7 @@ fn converted_logs_agree_with_the_target_release() {
         let target = release(&to);
         let names = report.topics.iter().filter(|topic| topic.action == Action::Converted);
         let names = names.map(|topic| topic.renamed.as_deref().unwrap_or(&topic.topic));
-        // A topic keeps its name if the target has several topics instead of it.
+        // A topic keeps its name if several topics of the target replace it.
         let other: BTreeSet<&str> =
             names.filter(|name| target.base().message_of_topic(name).is_none()).collect();
         assert!(other.len() <= 6, "{other:?}");
@@ -106,7 +106,7 @@ fn real_logs_agree_with_each_release() {
     let entries = fs::read_dir(logs).expect("a folder");
     let mut paths: Vec<_> = entries.map(|entry| entry.expect("a log").path()).collect();
     paths.sort();
-    // In quick mode, the start of every second log is converted to one of the releases.
+    // In quick mode, the test converts only the start of every second log, to one of the releases.
     for (at, path) in paths.iter().enumerate().skip(extent(0, 1)).step_by(extent(1, 2)) {
         let whole = fs::read(path).expect("a log");
         let bytes = head(&whole, extent(usize::MAX, 120_000));
@@ -157,7 +157,7 @@ fn messages_have_no_padding_at_the_end() {
     assert!(converted > 10, "{converted}");
 }
 
-/// The log has its own topic, which contains a message of PX4 whose fields differ between the releases.
+/// The log contains a custom topic with a nested PX4 message, whose fields differ between the releases.
 #[test]
 fn other_topics_keep_their_formats_and_nested_types() {
     let mut log = flight("px4@1.13");
@@ -241,7 +241,7 @@ fn formats_that_differ_from_all_releases_are_left_out() {
     );
 }
 
-/// The source release has no such topic, but the target does.
+/// The topic exists only in the target release.
 #[test]
 fn other_topics_with_a_name_of_the_target_are_left_out() {
     let mut log = flight("px4@1.16");
@@ -264,7 +264,7 @@ fn other_topics_with_a_name_of_the_target_are_left_out() {
     }
 }
 
-/// PX4 1.13 has a message for each topic, and later releases have one message for several topics.
+/// PX4 1.13 has a separate message for each topic. Later releases share a message between several topics.
 #[test]
 fn topics_with_a_message_of_several_topics_are_converted() {
     let (report, output) = converted(&flight("px4@1.13").to_bytes(), "px4@1.15", Settings::default());
@@ -296,7 +296,7 @@ fn topics_get_the_name_of_the_target() {
     assert!(messages(&output, b"A").iter().any(|message| message.ends_with(b"rtcm_corrections")));
 }
 
-/// Logs of PX4 can end with data that was appended after a crash.
+/// PX4 logs can end with data that was appended after a crash.
 #[test]
 fn appended_data_follows_the_other_data() {
     let log = flight("px4@1.17");
@@ -358,7 +358,7 @@ fn corrupt_logs_are_converted_as_far_as_they_can_be_read() {
     }
 }
 
-/// The firmware of a log may contain messages of another release.
+/// The log's firmware may contain messages of another release.
 #[test]
 fn topics_of_another_release_are_converted() {
     let (mut log, other) = (flight("px4@1.16"), flight("px4@1.15"));

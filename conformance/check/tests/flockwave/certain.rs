@@ -1,4 +1,4 @@
-//! Tests that legal sessions have no findings, and that one cause has one finding.
+//! Tests that valid sessions have no findings, and that one cause results in one finding.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +8,7 @@ use uavspec_rules::flockwave::sample::Session;
 
 use super::{DEFINITIONS, checked, covered, done, on_connection, ping, violated, violated_by, with_lines};
 
-/// A session in which the client's next message is recorded as these texts.
+/// A session in which the client's next message is recorded as these separate texts.
 fn sent(session: &mut Session, texts: &[&str]) {
     let time = 1_790_000_000.0;
     let line = |text: &&str| json!({ "t": time, "conn": "hill", "dir": "out", "raw": text });
@@ -19,7 +19,7 @@ fn request(id: &str) -> String {
     json!({ "$fw.version": "1.0", "id": id, "body": ping() }).to_string()
 }
 
-/// The subjects and the numbers of findings of a session, by rule.
+/// The findings of a session: the rule, the subject and the count.
 fn groups(session: &Session) -> Vec<(&'static str, String, u64)> {
     let result = checked(&session.to_bytes());
     result.findings.groups().map(|group| (group.rule.id, group.subject.clone(), group.count)).collect()
@@ -94,7 +94,7 @@ fn a_server_may_copy_an_unusual_id() {
     }
 }
 
-/// A server that refuses a message without a valid id has no valid id to refer to.
+/// If a client sends a message without a valid id, the server's refusal can't refer to an id.
 #[test]
 fn a_capture_may_lack_a_message_without_a_valid_id() {
     for refs in [None, Some(json!(null)), Some(json!(17)), Some(json!({}))] {
@@ -186,7 +186,7 @@ fn results_of_operations_are_grouped_by_command() {
 #[test]
 fn accepts_what_the_descriptions_of_messages_allow() {
     let mut session = Session::opened();
-    // ACK-ACK may replace a response without required fields, but no other response.
+    // ACK-ACK may replace a response that has no required fields, but no other response.
     session.exchange_with(json!({ "type": "RTK-SURVEY" }), json!({ "type": "ACK-ACK" }));
     session.notify(json!({ "type": "OBJ-CMD", "result": { "kite": "Flaps out" } }));
     let paths = json!({ "type": "DEV-UNSUB", "paths": ["/kite"], "includeSubtrees": true });
@@ -254,7 +254,7 @@ fn status_reports_are_messages_like_all_others() {
     assert_eq!(violated_by(&session), [("FW-ENV-04", 1), ("FW-SYS-CLOSE-02", 1)]);
 }
 
-/// Timestamps in responses and in reports must not go back or lie in the future. The server's clock may be wrong.
+/// Timestamps in responses and reports must not go back or be in the future. The server's clock may be wrong.
 #[test]
 fn timestamps_are_compared_with_earlier_timestamps_and_with_the_clock() {
     let stated = |ahead: u64, moves: [i64; 2], is_report: bool| {
@@ -286,7 +286,7 @@ fn report(session: &mut Session, timestamp: u64) {
     session.notify(json!({ "type": "UAV-INF", "status": { "kite": state } }));
 }
 
-/// The states may still have timestamps of the earlier clock.
+/// The states may still have timestamps from before the adjustment.
 #[test]
 fn timestamps_are_not_compared_after_an_adjustment_of_the_clock() {
     let mut session = Session::opened();
@@ -314,20 +314,20 @@ fn timestamps_are_compared_after_the_clock_is_set_forward() {
 /// An hour, in milliseconds.
 const HOUR: u64 = 3_600_000;
 
-/// Adds a SYS-TIME response. The server's clock is ahead by this time in milliseconds.
+/// Adds a SYS-TIME response. `ahead` is the time by which the server's clock is ahead, in milliseconds.
 fn answers_time(session: &mut Session, id: &str, ahead: u64) {
     let timestamp = session.now() + ahead;
     session.answers(id, json!({ "body": { "type": "SYS-TIME", "timestamp": timestamp } }));
 }
 
-/// Adds a SYS-TIME query and its response. The server's clock is ahead by this time in milliseconds.
+/// Adds a SYS-TIME query and its response. `ahead` is the time by which the server's clock is ahead, in milliseconds.
 fn queries_time(session: &mut Session, ahead: u64) {
     let id = session.sends(json!({ "type": "SYS-TIME" }));
     answers_time(session, &id, ahead);
 }
 
-/// Adds two SYS-TIME queries, between which the server's clock jumps. Before the jump, the clock is ahead by this time
-/// in milliseconds.
+/// Adds two SYS-TIME queries, between which the server's clock jumps. `ahead` is the time by which the clock is ahead
+/// before the jump, in milliseconds.
 fn clock_jumps(session: &mut Session, ahead: u64) {
     queries_time(session, ahead);
     queries_time(session, ahead + HOUR);
@@ -338,7 +338,7 @@ fn adjusts_clock(session: &mut Session) -> String {
     session.sends(json!({ "type": "SYS-TIME", "adjustment": HOUR }))
 }
 
-/// Adds a status report whose timestamp is ahead by this time in milliseconds.
+/// Adds a status report whose timestamp is ahead by `ahead` milliseconds.
 fn report_ahead(session: &mut Session, ahead: u64) {
     let timestamp = session.now() + ahead;
     report(session, timestamp);
@@ -364,7 +364,7 @@ fn answers_from_before_an_adjustment_do_not_state_the_time_after_it() {
         report_ahead(&mut session, HOUR);
         let case = format!("sent first: {is_sent_first}, answered first: {is_answered_first}");
         assert_eq!(violated_by(&session), [], "{case}");
-        // The adjustment's answer contains the new time.
+        // The answer to the adjustment contains the new time.
         report_ahead(&mut session, 2 * HOUR);
         session.wait(61.0);
         queries_time(&mut session, 2 * HOUR);
@@ -445,7 +445,7 @@ fn a_query_from_before_an_adjustment_may_be_recorded_late() {
     assert_eq!(violated_by(&session), []);
 }
 
-/// Adjustments that are refused, repeated or unanswered.
+/// Covers adjustments that are refused, repeated or unanswered.
 #[test]
 fn the_clock_is_checked_again_some_time_after_any_adjustment() {
     type Adjust = fn(&mut Session);
@@ -453,7 +453,7 @@ fn the_clock_is_checked_again_some_time_after_any_adjustment() {
         let id = adjusts_clock(session);
         session.answers(&id, json!({ "body": { "type": "ACK-NAK", "reason": "The clock is fixed" } }));
     };
-    // The server may adjust its clock once per datagram.
+    // The server may adjust its clock once for each copy of the datagram.
     let repeated: Adjust = |session| {
         session.over("udp#1", |session| {
             let id = adjusts_clock(session);
@@ -505,7 +505,7 @@ fn another_uav_may_have_the_id_of_a_deleted_uav() {
     assert_eq!(violated_by(&session), [("FW-UAV-INF-08", 1)]);
 }
 
-/// The clock of the client and the clock of the server may drift apart in the course of a day.
+/// The clocks of the client and the server may drift apart over a day.
 #[test]
 fn the_offset_of_the_clock_is_uncertain_after_a_long_time() {
     let mut session = Session::opened();
@@ -563,7 +563,7 @@ fn most_answers_are_due_after_30_seconds() {
     };
     let waits = |seconds| waits_for(ping(), seconds);
     assert_eq!((waits(30.0), waits(30.5)), (vec![], vec![("FW-ENV-07", 1)]));
-    // The specification sets no time, and the response has no receipt.
+    // The specification sets no time limit, and the response has no receipt.
     assert_eq!(waits_for(json!({ "type": "SHOW-CRTH-PLAN" }), 300.0), []);
 }
 
@@ -587,7 +587,7 @@ fn a_message_without_an_id_may_be_answered_without_refs() {
     assert_eq!(violated_by(&session), [("FW-ENV-17", 1)]);
     session.lines[1]["msg"].as_object_mut().and_then(|message| message.remove("id"));
     assert_eq!(violated_by(&session), []);
-    // Usual notifications are not answers. One message has one answer.
+    // Ordinary notifications aren't answers. A message gets one answer.
     session.lines.insert(2, session.lines[2].clone());
     session.lines[2]["msg"]["id"] = "say-0".into();
     session.lines[2]["msg"]["body"] = json!({ "type": "CONN-DEL", "ids": ["winch"] });

@@ -1,4 +1,5 @@
-//! Tests of messages that are hard to follow: before a gap in the recording, over UDP, from the client, or in pieces.
+//! Tests of messages whose context is uncertain: before a gap in the recording, over UDP, from the client, or in
+//! pieces.
 
 use serde_json::{Value, json};
 use uavspec_rules::flockwave::sample::Session;
@@ -38,7 +39,7 @@ fn connect(session: &mut Session) {
     }
 }
 
-/// Parts of sessions. The second part of each violates the rule, but only together with the first.
+/// Pairs of session parts. Each second part violates the rule, but only in combination with the first part.
 fn contradictions() -> [(&'static str, Part, Part); 7] {
     [
         ("FW-OBJ-DEL-02", |session| session.notify(json!({ "type": "OBJ-DEL", "ids": ["kite"] })), uav_list),
@@ -157,7 +158,7 @@ fn responses_of_the_client_are_not_checked() {
     assert_eq!(violated_by(&session), []);
 }
 
-/// The server may read such a request differently, so its answer can't be judged.
+/// The server may parse such a request differently, so its answer can't be checked.
 #[test]
 fn answers_to_requests_that_parsers_read_differently_are_not_checked() {
     let request = |rest: &str| {
@@ -199,7 +200,7 @@ fn answers_to_requests_that_parsers_read_differently_are_not_checked() {
     }
 }
 
-/// A message from the server, in lines.
+/// A message from the server that is split into lines.
 fn pieces(session: &mut Session, number: usize) {
     session.send_raw("{\"$fw.version\":\"1.0\",\"id\":\"long-1\",");
     for _ in 2..number {
@@ -208,7 +209,7 @@ fn pieces(session: &mut Session, number: usize) {
     session.send_raw("\"body\":{\"type\":\"SYS-PING\"}}");
 }
 
-/// The violations of `FW-TCP-01` and `FW-ENV-01` over TCP.
+/// The numbers of violations of `FW-TCP-01` and `FW-ENV-01` over TCP.
 fn split_and_other(add: impl FnOnce(&mut Session)) -> (u64, u64) {
     let mut session = Session::opened();
     session.over("tcp#9", add);
@@ -309,7 +310,7 @@ fn fractions_of_times_are_disputed() {
     }
 }
 
-/// 180° is disputed only as a longitude.
+/// The value is disputed only as the longitude 180°.
 #[test]
 fn other_values_of_1800000000_are_wrong() {
     let session = Session::new().state(|kite| kite["attitude"] = json!([0, 1_800_000_000, 0]));

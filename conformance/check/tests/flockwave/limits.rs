@@ -5,7 +5,7 @@ use uavspec_rules::flockwave::sample::Session;
 
 use super::{checked, violated_by};
 
-/// Adds a list of the objects of one type, or of all types.
+/// Adds a list of objects: of one type, or of all types if `kind` is `None`.
 fn objects(session: &mut Session, kind: Option<&str>, ids: &[String]) {
     let mut request = json!({ "type": "OBJ-LIST" });
     if let Some(kind) = kind {

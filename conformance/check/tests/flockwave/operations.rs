@@ -1,4 +1,4 @@
-//! Tests of the rules that follow an operation until it ends: limits, and what counts as an end.
+//! Tests of the rules that follow an operation until it ends: their limits, and what counts as the end.
 
 use serde_json::{Value, json};
 use uavspec_rules::flockwave::sample::Session;
@@ -6,7 +6,7 @@ use uavspec_rules::rule;
 
 use super::{checked, violated, violated_by};
 
-/// Adds a message about something else.
+/// Adds a message that has nothing to do with the operation.
 fn other(session: &mut Session) {
     session.notify(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
 }
@@ -18,7 +18,7 @@ fn short_operation(session: &mut Session) {
     session.answers(&id, json!({ "body": { "type": "UAV-TEST", "receipt": { "kite": "r-1" } } }));
 }
 
-/// Adds operations that the client cancels.
+/// Adds operations with these receipts, which the client cancels.
 fn cancelled(session: &mut Session, receipts: &[String]) {
     let by_uav: serde_json::Map<String, Value> =
         receipts.iter().map(|receipt| (format!("uav-{receipt}"), json!(receipt))).collect();
@@ -41,7 +41,7 @@ fn count(id: &str, connection: &'static str, add: impl FnOnce(&mut Session)) -> 
     violated(&checked(&session.to_bytes())).get(id).copied().unwrap_or_default()
 }
 
-/// Sets the time between the last record and the record before it.
+/// Sets the time between the last two records.
 fn set_last_gap(session: &mut Session, seconds: u32) {
     let [.., before, last] = session.lines.as_mut_slice() else { return };
     // Whole seconds have no rounding errors.
@@ -92,7 +92,7 @@ fn operations_are_overdue_only_after_the_limit() {
                 begin(session);
                 other(session);
                 set_last_gap(session, seconds);
-                // The answer is the message before.
+                // The answer is the previous message.
             })
         };
         assert_eq!((overdue_after(limit), overdue_after(limit + 1)), (0, 1), "{id}");
@@ -208,7 +208,7 @@ fn resume(session: &mut Session, answer: &Value) {
     session.exchange(json!({ "type": "ASYNC-RESUME", "ids": ["r-1"] }), answer.clone());
 }
 
-/// Some servers accept a request to resume a running operation.
+/// Some servers accept a request to resume an operation that isn't suspended.
 #[test]
 fn a_resumed_operation_was_suspended_if_the_server_refused_to_resume_it_before() {
     let resumed = |is_refused: bool| {
@@ -243,7 +243,7 @@ fn a_notification_may_overtake_the_response() {
     assert_eq!(overtaken(suspended, resumes), [early, unknown]);
     let progress = json!({ "type": "ASYNC-ST", "id": "r-1", "progress": {} });
     assert_eq!(overtaken(progress, resumes), [early, unknown, ("FW-ASY-13", 1)]);
-    // The receipt of an operation that has ended may be used again.
+    // A server may use a receipt again after its operation has ended.
     let ended = json!({ "type": "ASYNC-RESP", "id": "r-1", "result": true });
     assert_eq!(overtaken(ended, short_operation), [early, unknown]);
 }

@@ -1,4 +1,4 @@
-//! Tests of servers that stop serving, that fail over HTTP, and whose faults have one cause.
+//! Tests of servers that stop responding, servers that fail over HTTP, and faults with a common cause.
 
 use serde_json::{Value, json};
 use uavspec_rules::flockwave::sample::Session;
@@ -17,7 +17,7 @@ fn states() -> Value {
     json!({ "type": "UAV-INF", "status": { "kite": { "id": "kite", "timestamp": 1_790_000_000_000_i64 } } })
 }
 
-/// A server that is being shut down may accept a connection and close it.
+/// A server that is being shut down may accept a connection and then close it.
 #[test]
 fn a_family_with_a_served_request_has_a_handler_whatever_happens_later() {
     let mut session = Session::opened();
@@ -55,8 +55,8 @@ fn names_the_message_that_ended_the_service() {
     }
 }
 
-/// A session in which one of two messages ended the service over this connection. Then the server serves again, and `again`
-/// follows on another connection.
+/// A session in which one of two messages ended the service over this connection. Then, the server responds again, and
+/// `again` adds messages on another connection.
 fn unclear(connection: &'static str, again: impl FnOnce(&mut Session)) -> Session {
     let mut session = Session::opened();
     session.over(connection, |session| {
@@ -72,7 +72,7 @@ fn unclear(connection: &'static str, again: impl FnOnce(&mut Session)) -> Sessio
     session
 }
 
-/// Sends a message alone. If the server still serves, it answers the next request.
+/// Sends a message alone. If `is_served` is true, the server answers the next request.
 fn sends_alone(session: &mut Session, message: &str, is_served: bool) {
     let (rule, how) = (&env_27::RULE.rule, "after a trial: one, sent alone");
     session.sends_raw(message);
@@ -105,7 +105,7 @@ fn names_the_message_that_ended_the_service_again_when_it_was_sent_alone() {
     }
 }
 
-/// The message that was sent last was not followed by a request that the server answered.
+/// The last message was not followed by a request that the server answered.
 #[test]
 fn an_interrupted_probe_does_not_clear_the_last_suspect() {
     let session = unclear("tcp#1", |session| {
@@ -115,7 +115,7 @@ fn an_interrupted_probe_does_not_clear_the_last_suspect() {
     assert!(messages(&session, "FW-ENV-27")[0].ends_with("after `one wind` or the message after it"));
 }
 
-/// The server reads the messages of an ordered connection one after the other.
+/// The server reads the messages of an ordered connection in order.
 #[test]
 fn a_response_clears_only_the_messages_before_its_request() {
     for (connection, expected) in [("tcp#1", &[("FW-ENV-27", 1)][..]), ("udp#1", &[])] {
@@ -133,7 +133,7 @@ fn a_response_clears_only_the_messages_before_its_request() {
     }
 }
 
-/// Messages that were sent after the end of the service aren't suspects.
+/// Messages that were sent after the service ended aren't suspects.
 #[test]
 fn only_messages_before_the_end_of_the_service_are_suspects() {
     let mut session = Session::opened();
@@ -150,7 +150,7 @@ fn only_messages_before_the_end_of_the_service_are_suspects() {
     }
     assert_eq!(violated_by(&session), [("FW-ENV-27", 1)]);
     assert!(messages(&session, "FW-ENV-27")[0].ends_with("after `not a glider`"));
-    // Over UDP, a missing response proves nothing by itself.
+    // Over UDP, a missing response alone proves nothing.
     lines.extend(session.lines[lines.len()..].iter().cloned());
     if let Some(line) = lines.last_mut() {
         line["why"] = "client".into();
@@ -159,7 +159,7 @@ fn only_messages_before_the_end_of_the_service_are_suspects() {
     assert_eq!(violated_by(&session), []);
 }
 
-/// The server stops by itself.
+/// The server stops without a cause in the session.
 #[test]
 fn a_service_that_ends_without_a_message_violates_nothing() {
     let mut session = Session::opened();
@@ -219,14 +219,14 @@ fn data_in_an_undefined_field_has_one_finding() {
     assert_eq!(violated_by(&session), [("FW-INF-01", 1)]);
     let found = messages(&session, "FW-INF-01");
     assert!(found[0].ends_with("found `kite` in `result`, which is not defined"), "{found:?}");
-    // A field that holds no requested object is another cause.
+    // A field that doesn't contain the requested object is a separate cause.
     let mut session = Session::opened();
     let data = json!({ "wind": { "gust": {} }, "error": { "kite": "Asleep" } });
     session.exchange(json!({ "type": "UAV-PREFLT", "ids": ["kite"] }), data);
     assert_eq!(violated_by(&session), [("FW-ENV-18", 1)]);
 }
 
-/// True for each disputed finding of a rule.
+/// For each finding of a rule, true if the finding is disputed.
 fn disputed(session: &Session, id: &str) -> Vec<bool> {
     let result = checked(&session.to_bytes());
     let groups = result.findings.groups().filter(|group| group.rule.id == id);

@@ -2,7 +2,8 @@
 
 use super::*;
 
-/// A session of status reports, whose second report has an earlier timestamp than the first.
+/// A session with three status reports at these record times. The second report has an earlier timestamp than the
+/// first.
 fn session(times: [&str; 3]) -> Vec<u8> {
     let report = |id: &str, timestamp: u64| {
         let status = json!({ "kite": { "id": "kite", "timestamp": timestamp, "heading": 3600 } });
@@ -43,7 +44,7 @@ fn all_forms_of_times_have_the_same_result() {
     }
 }
 
-/// A time that can't be read is reported, and changes no finding.
+/// A time that can't be read is reported, but doesn't affect the findings.
 #[test]
 fn reports_times_that_cannot_be_read() {
     for (times, expected) in [

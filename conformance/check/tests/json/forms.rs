@@ -46,7 +46,7 @@ fn reads_several_forms_of_messages() {
     assert_eq!(found.undefined.iter().collect::<Vec<_>>(), ["/fmu/out/kite"]);
 }
 
-/// The type advertised by rosbridge has priority over the topic name.
+/// The type that rosbridge advertises for a topic takes precedence over the topic name.
 #[test]
 fn uses_the_advertised_type_of_a_topic() {
     let topics = [
@@ -73,7 +73,7 @@ fn uses_the_advertised_type_of_a_topic() {
     assert_eq!(source(&result).skipped, 5);
 }
 
-/// As in MCAP, adding an instance number to a topic name does not change the type.
+/// As in MCAP, an instance number in the topic name doesn't change the type.
 #[test]
 fn instances_of_a_topic_have_its_type() {
     let lines: Vec<String> = ["/fmu/out/glider/1", "/glider_1", "/glider.01", "/glider_v2_0", "/glider/"]
@@ -130,7 +130,7 @@ fn detects_logs_by_their_magic() {
     assert!(matches!(check_bytes(b"").summary, Summary::Unknown(_)));
 }
 
-/// Checks messages on a topic, with these timestamps. Returns the findings, and how many times were compared.
+/// Checks messages on a topic with these timestamps. Returns the findings, and the number of compared times.
 fn check_times(topic: &str, times: &[u64]) -> (Vec<(&'static str, String)>, u64) {
     let lines: Vec<String> = times.iter().map(|time| published(topic, &glider(*time))).collect();
     let result = check_bytes(lines.join("\n").as_bytes());
@@ -151,14 +151,13 @@ fn only_a_single_early_message_has_a_wrong_time() {
     for times in [
         // The clock was set back, or the autopilot restarted.
         &[20, 40, 60, 10, 30, 50][..],
-        // The clock was set back by little more than a period: only the early message is before the latest time.
+        // The clock was set back by slightly more than a period: only the early message is before the latest time.
         &[20, 40, 60, 50, 70, 90],
         &[20, 40, 60, 59, 79, 99],
-        // The last message doesn't show whether the clock was set back. Without a pause, the next message doesn't
-        // either.
+        // The last message doesn't show whether the clock was set back. Without a pause, neither does the next message.
         &[20, 40, 60, 50],
         &[60, 50, 100],
-        // PX4 lost its synchronisation with the computer for one message.
+        // PX4 lost its synchronisation with the computer for a single message.
         &[EPOCH, EPOCH + 20, 40, EPOCH + 60],
         &[20, 0, 20],
         &[20, 20],
@@ -167,7 +166,7 @@ fn only_a_single_early_message_has_a_wrong_time() {
     }
     // Two autopilots publish the same topic.
     assert_ne!(check_times("/fmu/out/glider", &[100, 50, 120, 70, 140, 90, 160]).0, []);
-    // Several nodes may send to PX4, and a type has the messages of several instances.
+    // Several nodes may send messages to PX4, and a type may contain the messages of several instances.
     assert_eq!(check_times("/second/fmu/in/glider", &[20, 40, 60, 50, 100]), (vec![], 0));
     let lines = [20, 40, 60, 50, 100].map(|time| typed(&glider(time)));
     let result = check_bytes(lines.join("\n").as_bytes());

@@ -9,7 +9,7 @@ use uavspec_test_support::extent;
 
 use super::{DEFINITIONS, PERIOD, check_bare, check_bytes, corruption, glider, source, typed, violated};
 
-/// An unreadable line between two readable ones, with the expected message.
+/// Each case is an unreadable line between two readable ones, with the expected message.
 #[test]
 fn reports_unreadable_lines_and_continues() {
     let good = typed(&glider(PERIOD));
@@ -96,7 +96,7 @@ impl Read for Slow<'_> {
     }
 }
 
-/// The events that the reader returns and the number of lines, for input that arrives in pieces of this size.
+/// Reads input that arrives in pieces of this size. Returns the reader's events, and the number of lines.
 fn events(bytes: &[u8], piece: usize) -> (Vec<String>, u64) {
     let mut reader = Reader::new(Slow(bytes, piece));
     let mut events = Vec::new();
@@ -134,7 +134,8 @@ proptest! {
 /// An endless line is skipped without storing it.
 #[test]
 fn skips_an_endless_line_in_constant_memory() {
-    /// A reader that records the size of the largest read, which shows the free space in the buffer.
+    /// A reader of endless input that records the size of the largest read request. This size shows the free space in
+    /// the buffer.
     struct Endless {
         left: u64,
         max: usize,

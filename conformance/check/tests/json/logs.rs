@@ -14,7 +14,8 @@ use uavspec_test_support::{extent, shared};
 
 use super::{corruption, source};
 
-/// The messages of a log in rosbridge form, if their format matches the definition.
+/// The messages in a log as rosbridge messages, for the topics whose format matches the definition. Also returns these
+/// topics.
 fn as_json(bytes: &[u8], definitions: &Definitions, types: &Types) -> (String, Vec<String>) {
     let (mut reader, mut log) = (Reader::new(bytes), Log::default());
     let (mut lines, mut topics) = (String::new(), Vec::new());
@@ -52,7 +53,7 @@ fn unpad(value: &mut serde_json::Value) {
     }
 }
 
-/// The findings of rules that apply to both kinds of captures, for these topics.
+/// The findings for these topics, from rules that apply to both kinds of captures.
 fn findings(result: &CaptureResult, topics: &[String]) -> Vec<(&'static str, String, u64, Vec<String>)> {
     let of_both =
         ["PX-ENUM-01", "PX-LEN-01", "PX-NAN-01", "PX-QUEUE-01", "PX-RANGE-01", "PX-STR-01", "PX-TIME-01"];

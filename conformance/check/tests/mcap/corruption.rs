@@ -28,7 +28,7 @@ fn gliders(numbers: std::ops::RangeInclusive<u64>) -> Vec<u8> {
     numbers.flat_map(glider).collect()
 }
 
-/// True if a location is within a file of this length with sixty messages.
+/// True if a location is within a file that has this length and contains sixty messages.
 fn is_within(location: Location, length: usize) -> bool {
     match location {
         Location::Byte(offset) => offset <= length as u64,
@@ -38,8 +38,8 @@ fn is_within(location: Location, length: usize) -> bool {
     }
 }
 
-/// Asserts the reported corruption and the number of checked messages for a file with these parts. Each expected
-/// problem is given by the index of the part at whose offset it must be reported, and by its text.
+/// Asserts the reported corruption and the number of checked messages for a file that consists of these parts. An
+/// expected problem consists of the index of the part at whose offset it must be reported, and of its text.
 fn assert_corruption(parts: &[Vec<u8>], expected: &[(usize, &str)], checked_count: u64) {
     let result = checked(&parts.concat());
     let offset = |part: usize| parts[..part].iter().map(|part| part.len() as u64).sum();
@@ -81,7 +81,7 @@ fn skips_invalid_records() {
     }
 }
 
-/// A record of an unknown kind may be a message whose kind was changed.
+/// A record of an unknown kind may be a message whose kind was corrupted.
 #[test]
 fn reports_unknown_and_misplaced_records() {
     let mut longer = declarations();
@@ -118,7 +118,7 @@ fn reports_unknown_and_misplaced_records() {
     assert_corruption(&parts, &[(4, "a message isn't expected in this part of the file")], 2);
 }
 
-/// A file may follow another one. Their channels are independent.
+/// One file may follow another. Their channels are independent.
 #[test]
 fn reads_files_that_follow_each_other() {
     let other = [channel(3, 0, "/rope", "cdr", &[]), declarations_of(7)].concat();
@@ -137,13 +137,13 @@ fn reads_files_that_follow_each_other() {
 fn all_files_that_follow_each_other_show_the_release() {
     let release = Library::release("px4@1.15").expect("a release");
     let mut flight = Flight::new(release.base());
-    // In quick mode, the flight has the first messages of a few topics.
+    // In quick mode, the flight contains only the first messages of a few topics.
     let topics = flight.topics.len().min(extent(usize::MAX, 40));
     flight.topics.truncate(topics);
     flight.messages.retain(|sent| sent.topic < topics);
     flight.messages.truncate(extent(usize::MAX, topics));
     let flight = Encoding::Mcap.write(&flight).expect("a bag");
-    // In the flight, the ids of its schemas denote other types.
+    // In the flight, the same schema ids denote other types.
     let others = (1..20).map(|id| schema(id, "club_msgs/msg/Rope", "ros2msg", b"uint8 length\n"));
     let first = file(&others.collect::<Vec<_>>().concat());
     let folder = tempfile::tempdir().expect("a folder");
@@ -382,7 +382,7 @@ fn noise_after_the_magic_is_corruption_only() {
 /// The result doesn't depend on how the input is split.
 #[test]
 fn reads_the_same_from_any_split_of_the_input() {
-    // A message that ends within another message: whether the other one is valid is only known from the bytes after it.
+    // A message that ends within another message: only the bytes after the other message show whether it is valid.
     let head = [&[5][..], &40_u64.to_le_bytes(), &[3, 0], &[0; 18]].concat();
     let nested = [start(), declarations(), gliders(1..=2), head, gliders(3..=4), end()].concat();
     let truncated = FORMS.map(|form| {
@@ -406,7 +406,8 @@ fn reads_the_same_from_any_split_of_the_input() {
     }
 }
 
-/// A reader that returns some bytes and then repeats a pattern. It records the largest read.
+/// A reader that returns some bytes, and then repeats a pattern endlessly. It records the size of the largest read
+/// request.
 struct Endless {
     start: Vec<u8>,
     pattern: Vec<u8>,
@@ -429,7 +430,7 @@ impl Read for &mut Endless {
     }
 }
 
-/// Skipped records aren't stored, and no memory is allocated for a length before its bytes have arrived.
+/// Skipped records aren't stored. A stated length doesn't allocate memory before the bytes arrive.
 #[test]
 fn skips_records_in_constant_memory() {
     let length = |opcode: u8, length: u64| [&[opcode][..], &length.to_le_bytes()].concat();
@@ -449,7 +450,7 @@ fn skips_records_in_constant_memory() {
         // A message of the maximum length is stored.
         (length(5, uavspec_capture::limits::MAX_RECORD), zeros, 3 * (64 << 20)),
     ] {
-        // More than the maximum stored size, or enough to fill the buffer many times.
+        // The size exceeds the maximum stored size, or suffices to fill the buffer many times.
         let size = if largest > 1 << 20 { extent(80 << 20, 66 << 20) } else { extent(8 << 20, 1 << 20) };
         let start = [start(), declarations(), head].concat();
         let mut input = Endless { start, pattern, position: 0, size, largest_request: 0 };
@@ -464,7 +465,7 @@ fn skips_records_in_constant_memory() {
     }
 }
 
-/// Channels beyond a limit are reported but not checked, since each channel needs memory and time.
+/// Channels beyond a limit are reported but not checked, because each channel needs memory and time.
 #[test]
 fn does_not_check_channels_beyond_the_limit() {
     let marks = "Mark[3000] more\nMark[3] marks\nbool[3] flags\n";

@@ -24,7 +24,7 @@ fn differences(result: &CaptureResult) -> &Differences {
     source(result).channels[0].status.differences().expect("the schema differs")
 }
 
-/// Glider messages with an additional first field.
+/// Glider messages with an additional field at the start. `change` modifies each message.
 fn longer(change: impl Fn(&mut Glider)) -> Vec<u8> {
     let (name, hash) = ros("Glider");
     let text = ros2msg(&GLIDER.replace("uint64 timestamp ", "uint64 number\nuint64 timestamp "));
@@ -156,7 +156,7 @@ fn compares_field_order_but_not_comments_and_constants() {
         basis(&with(&ros2msg(&GLIDER.replace("uint8 MODE_THERMAL = 7", "uint8 MODE_WAVE = 9")))),
         equal
     );
-    // ROS 2 treats these as the same type.
+    // ROS 2 treats these types as the same.
     assert_eq!(basis(&with(&ros2msg(&GLIDER.replace("char[4]", "uint8[4]")))), equal);
     let retyped = with(&ros2msg(&GLIDER.replace("char[4]", "char[5]")));
     assert_eq!(differences(&retyped).retyped, ["name (char[5], defined as char[4])"]);
@@ -210,7 +210,7 @@ fn reads_schemas_with_dds_names() {
     assert_eq!((basis(&result), violated(&result), result.checked), (&equal(), vec![], 1));
 }
 
-/// Without a schema that can be read, only the hash identifies the fields.
+/// Without a readable schema, only the hash identifies the fields.
 #[test]
 fn messages_of_another_hash_with_an_invalid_schema_are_not_checked() {
     let (name, _) = ros("Glider");
@@ -345,7 +345,7 @@ fn checks_the_common_fields_of_json_messages() {
     }
 }
 
-/// All PX4 messages, with their nested types, can be read from the text that ROS 2 would use.
+/// The text that ROS 2 would use for a PX4 message with its nested types can be read, for all messages.
 #[test]
 fn definitions_of_real_releases_match_themselves() {
     let Some(corpus) = shared("corpus/px4") else { return };
@@ -364,7 +364,7 @@ fn definitions_of_real_releases_match_themselves() {
             .collect();
         let line = "=".repeat(80);
         for (name, text) in texts.iter().step_by(extent(1, 4)) {
-            // The text contains all other types, so that the test doesn't need to find the nested ones.
+            // The text contains all other types, so the test doesn't need to find the nested ones.
             let others: String = texts
                 .iter()
                 .filter(|(other, _)| other != name && text.contains(other.as_str()))

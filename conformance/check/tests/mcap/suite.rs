@@ -14,7 +14,7 @@ use crate::mcap::checked;
 /// The number of files in the suite.
 const FILES: usize = 208;
 
-/// The number of records of each kind that the reader returns, or the first problem.
+/// The number of records of each kind that the reader returns. The error is the first problem.
 fn read(bytes: &[u8]) -> Result<BTreeMap<&'static str, usize>, String> {
     let mut counts = BTreeMap::new();
     let mut reader = Reader::new(bytes);

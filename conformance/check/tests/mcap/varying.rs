@@ -26,7 +26,7 @@ const STRAND: &str = "uint8 KIND_SILK = 1\nuint8 kind  # [@enum KIND] Of what\nw
 
 static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(|| definitions(ROPE));
 
-/// Definitions with this text of the message `Rope`.
+/// Definitions that contain the message `Rope` with this text.
 fn definitions(rope: &str) -> Definitions {
     let folder = tempfile::tempdir().expect("a folder");
     let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("a file");
@@ -84,7 +84,7 @@ fn strings_with_another_bound_are_not_shared() {
     }
 }
 
-/// The length of a string is limited by the schema in the file, not by the definition.
+/// The maximum length of a string is specified by the schema in the file, not by the definition.
 #[test]
 fn strings_with_another_bound_are_a_difference() {
     let text = ROPE.replace("string<=4 name", "string<=6 name");
@@ -123,7 +123,7 @@ fn each_mutant_violates_its_rule() {
         payload
     };
     let at = |bytes: &[u8]| good.windows(bytes.len()).position(|found| found == bytes).expect("the bytes");
-    // The label 😀 has two code units, which are a pair of surrogates.
+    // In JSON, the label 😀 has two code units: a pair of surrogates.
     let label = at(&[0x3d, 0xd8, 0, 0, 0, 0xde, 0, 0]);
     for (id, payload, message) in [
         ("PX-BOOL-01", with(knots + 1, 9), "/tow/rope.knots: knots[1]: expected 0 or 1, found 9"),
@@ -159,7 +159,7 @@ fn checks_the_other_values_of_a_message_with_invalid_text() {
     let result = checked(&payload);
     let ids: Vec<_> = violated(&result).into_iter().map(|(id, _)| id).collect();
     assert_eq!((ids, result.checked), (vec!["PX-RANGE-01", "PX-STR-01"], 1));
-    // The name and the two ends. The number of elements of a sequence isn't known in advance.
+    // The name and the two ends. The number of elements in a sequence isn't known in advance.
     let group = result.findings.groups().find(|group| group.rule.id == "PX-STR-01").expect("a finding");
     assert_eq!(result.findings.covered(group.rule), 3);
 }

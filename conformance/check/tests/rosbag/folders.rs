@@ -12,7 +12,7 @@ use uavspec_test_captures::rosbag::{Content, metadata};
 
 use super::{FIXED, LIBRARY, assert_same, checked, corrupt, flight, summary, violated};
 
-/// Writes the messages of a bag to several files, and returns their number.
+/// Writes the messages of a bag to several files, and returns the number of files.
 fn split(content: &Content, folder: &Path) -> usize {
     let parts = content.messages.chunks(content.messages.len().div_ceil(3));
     for (number, messages) in parts.clone().enumerate() {
@@ -49,13 +49,13 @@ fn the_files_of_a_bag_are_one_capture() {
     assert!(part.records > 0 && part.records < whole.records && part.extent == Extent::Whole);
 }
 
-/// Rules on sequences of messages see the messages of all files.
+/// Rules on message sequences see the messages of all files.
 #[test]
 fn rules_span_the_files_of_a_bag() {
     let content = flight();
     let folder = tempfile::tempdir().expect("a folder");
     split(&content, folder.path());
-    // Only the file between the others contains a message whose timestamp goes back.
+    // Only the middle file contains a message whose timestamp goes back.
     let (topic, _, payload) = content.messages[0].clone();
     let (_, time, _) = content.messages[2 * content.messages.len().div_ceil(3) - 1];
     let early = Content { messages: vec![(topic, time, payload)], ..content.clone() };
@@ -87,7 +87,7 @@ fn missing_and_unknown_files_are_reported() {
     assert_eq!(found.captures, [folder.path().to_owned(), path("extra.jsonl")]);
 }
 
-/// Opening a pipe would wait for a writer.
+/// Opening a pipe would block until there is a writer.
 #[cfg(unix)]
 #[test]
 fn pipes_in_the_folder_of_a_bag_are_not_opened() {
@@ -183,7 +183,7 @@ fn a_file_of_a_bag_that_grows_while_it_is_read_is_named() {
 fn ranges() -> Content {
     let ty = "sensor_msgs/msg/Range";
     let empty_header = [&[0; 8][..], &1_u32.to_le_bytes(), &[0; 4]].concat();
-    // Until Humble, the message has no variance.
+    // Up to Humble, the message has no variance.
     let payload = [&[0, 1, 0, 0][..], &empty_header, &[0; 16]].concat();
     Content {
         definitions: Vec::new(),
@@ -217,7 +217,7 @@ fn a_bag_may_state_its_distribution() {
     assert_eq!(states("humble", ""), ("ros2@humble".to_owned(), 1));
     assert_eq!(states("", "version: 6\nros_distro: humble\n"), ("ros2@humble".to_owned(), 1));
     assert_eq!(states("", "").1, 0);
-    // The folder of a bag contains it in `metadata.yaml`.
+    // For the folder of a bag, it is in `metadata.yaml`.
     let bag = path("bag");
     fs::create_dir(&bag).expect("a folder");
     content.write(&bag.join("a.db3"));

@@ -18,7 +18,7 @@ fn changed(statements: &str) -> (tempfile::TempDir, std::path::PathBuf) {
     (folder, path)
 }
 
-/// A schema executes nothing: each of these tables would take hours or much memory to read.
+/// Reading a schema executes nothing, although reading each of these tables would take hours or much memory.
 #[test]
 fn views_virtual_tables_and_generated_columns_are_not_read() {
     let endless = "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n)";
@@ -30,7 +30,7 @@ fn views_virtual_tables_and_generated_columns_are_not_read() {
             "it has no table `topics`",
         ),
         (
-            // Not created directly, because SQLite might not contain this module.
+            // The table isn't created directly, because SQLite may lack this module.
             "DROP TABLE messages; PRAGMA writable_schema = ON;
                 INSERT INTO sqlite_schema VALUES ('table', 'messages', 'messages', 0,
                 'CREATE VIRTUAL TABLE messages USING fts5(topic_id, timestamp, data)')"
@@ -84,7 +84,7 @@ fn values_of_other_types_are_reported() {
     }
 }
 
-/// A corrupt index may hide messages.
+/// A corrupt index may omit messages.
 #[test]
 fn messages_that_the_index_lacks_are_read() {
     let content = flight();
@@ -99,11 +99,11 @@ fn messages_that_the_index_lacks_are_read() {
     Connection::open(&path).and_then(|bag| bag.execute_batch(&shown)).expect("a database");
     let result = checked(&path);
     let found = corrupt(&result);
-    assert!(found.len() == 1 && found[0].contains("the index of the times doesn't match"), "{found:?}");
+    assert!(found.len() == 1 && found[0].contains("the time index doesn't match"), "{found:?}");
     assert_eq!((result.extent, result.records), (Extent::WithGaps, content.messages.len() as u64 + 1));
 }
 
-/// Neither the tables nor the index may hide a message without a report.
+/// If a flipped bit hides a message in the tables or the index, it is reported.
 #[test]
 fn a_flipped_bit_hides_no_message() {
     let mut content = flight();
@@ -119,7 +119,7 @@ fn a_flipped_bit_hides_no_message() {
         let result = checked_bytes(&flipped);
         let is_same = (result.records, result.checked) == (intact.records, intact.checked);
         let is_reported = result.extent != Extent::Whole || violated(&result) != violated(&intact);
-        // A changed name of a topic or a type isn't corruption, but the coverage shows it.
+        // A changed topic name or type name isn't corruption, but the coverage shows it.
         let is_uncovered = !result.coverage.is_full() || matches!(result.summary, Summary::Unknown(_));
         assert!(is_same || is_reported || is_uncovered, "byte {at}");
     }
@@ -155,7 +155,8 @@ fn payloads_have_a_maximum_size() {
     );
 }
 
-/// Pages of a corrupt file can be reached in several ways, so that it seems to have more messages than bytes.
+/// The pages of a corrupt file can be reached in several ways, so the file may seem to contain more messages than
+/// bytes.
 #[test]
 fn a_truncated_file_is_checked_as_far_as_possible() {
     let content = flight();
@@ -181,7 +182,7 @@ fn flipped_bits_never_panic() {
     for _ in 0..extent(2_000, 24) {
         let mut flipped = bytes.clone();
         for _ in 0..=random.below(4) {
-            // The schema and the roots of the tables are more interesting than the payloads.
+            // Bits in the schema and the roots of the tables matter more than bits in the payloads.
             let end = if random.below(2) == 0 { 3 << 12 } else { bytes.len() };
             flipped[16 + random.index(end - 16)] ^= 1 << random.below(8);
         }
@@ -191,7 +192,7 @@ fn flipped_bits_never_panic() {
     assert!(corrupted > extent(10, 0), "{corrupted}");
 }
 
-/// A recording that was killed leaves its last messages in a second file.
+/// A killed recorder leaves its last messages in a second file.
 #[test]
 fn unfinished_recordings_are_incomplete_and_stay_unchanged() {
     let content = flight();
@@ -226,7 +227,7 @@ fn unfinished_recordings_are_incomplete_and_stay_unchanged() {
     assert_eq!(checked(&killed.path().join("bag.db3")).extent, Extent::WithGaps);
 }
 
-/// In a URI, these characters have a meaning.
+/// These characters have a special meaning in a URI.
 #[test]
 fn paths_may_contain_any_characters() {
     let content = flight();

@@ -104,12 +104,14 @@ fn reads_recorded_events() {
     );
 }
 
-/// The schema that rosbag2 records for a type that ROS 2 derives from a service or an action.
+/// The schema that rosbag2 records for a type that ROS 2 derives from a service or an action. `word` marks the kind of
+/// text.
 fn marked(word: &str, name: &str, text: &str) -> String {
     format!("{}\n{word}: {name}\n{text}", "=".repeat(80))
 }
 
-/// Checks a message as an MCAP file and as a `SQLite` file. Returns the violated rules and the numbers of messages.
+/// Checks a message both as an MCAP file and as a `SQLite` file. Returns the violated rules and the numbers of
+/// messages.
 fn checked_both(
     ty: &str,
     text: &str,
@@ -147,7 +149,7 @@ fn the_text_of_a_service_may_follow_its_name() {
 
 const LAND: &str = "bool is_soft\n---\nbool is_down\n---\nbool is_low\n";
 
-/// The types that ROS 2 derives from an action, each with a message whose last byte is a bool of the action.
+/// The types that ROS 2 derives from an action. Each has a message whose last byte is a bool that the action defines.
 fn of_action(last: u8) -> Vec<(&'static str, Vec<u8>)> {
     let header = [0, 1, 0, 0];
     let uuid = [3; 16];
@@ -179,7 +181,7 @@ fn types_of_actions_are_known() {
     for (definitions, text) in
         [(&known, ""), (&known, LAND), (&known, &marked), (built_in, LAND), (built_in, &marked)]
     {
-        // In quick mode, each type has one of the values.
+        // In quick mode, each type is tested with only one of the values.
         for (first, last) in [(0, 1), (1, 7)] {
             let messages = of_action(last).into_iter().skip(extent(0, first)).step_by(extent(1, 2));
             for (suffix, payload) in messages {
@@ -218,7 +220,7 @@ fn names_the_reason_why_a_schema_is_not_used() {
         ("ros2msg", rope, "invalid schema: sky_msgs/Line.msg:1: the inputs contain no package `rope_msgs`"),
         ("ros2msg", "float32 length!\n", "invalid schema: sky_msgs/Line.msg:1: "),
         ("ros2msg", &idl, "invalid schema: it contains IDL, which isn't supported"),
-        ("ros2msg", "sky_msgs/msg/Line\n", "the schema is only the name of the type"),
+        ("ros2msg", "sky_msgs/msg/Line\n", "the schema contains only the name of the type"),
         ("ros2idl", &idl, "the schema encoding `ros2idl` isn't supported"),
         ("jsonschema", "{}", "the schema encoding `jsonschema` isn't supported"),
         ("protobuf", "\u{1}", "the schema encoding `protobuf` isn't supported"),
@@ -251,7 +253,7 @@ fn missing_standard_types_are_those_of_ros_2() {
     assert_eq!(found, (vec!["PX-BOOL-01"], 1, 1));
 }
 
-/// A schema that is only the name of the type has the same result as a missing schema.
+/// A schema that contains only the name of its type has the same effect as a missing schema.
 #[test]
 fn a_schema_may_be_only_the_name_of_the_type() {
     let definitions = definitions("ros2", "sky_msgs", "Soar", SOAR);

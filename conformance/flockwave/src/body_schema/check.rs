@@ -405,7 +405,8 @@ fn repeated<'v>(values: &'v [Tree<'_>]) -> Option<&'v Tree<'v>> {
     })
 }
 
-/// Describes the absence of a field. The undefined fields of the object may have been sent in its place.
+/// Describes the absence of a field, and lists the object's undefined fields, one of which may have been sent in its
+/// place.
 fn nothing_but(object: &Object, members: &[(Cow<'_, str>, Tree<'_>)]) -> String {
     let keys = members.iter().map(|(key, _)| key.as_ref());
     let undefined = keys.filter(|key| object.field(key, 0).is_none() && key.chars().count() <= MAX_INSTEAD.1);

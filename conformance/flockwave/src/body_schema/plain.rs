@@ -12,7 +12,7 @@ use super::bodies::DefinedSchemas;
 use super::check::fits;
 use super::defined::{Field, Length, Object, ValueSchema};
 
-/// The number of positions in a list that may have limits.
+/// The number of positions, from the start of a list, that may have separate limits.
 const MAX_LIMITED: usize = 16;
 
 /// The fields of the objects in a map within a body.
@@ -96,8 +96,8 @@ impl<'s> Members<'s> {
         accepts_text(self.fields[field].schema, text)
     }
 
-    /// Reads the value of a field. Fails if the value isn't clearly valid. `found` gets the position of each scalar that
-    /// isn't null.
+    /// Reads the value of a field. Fails if the value isn't clearly valid. Calls `found` with the position and the
+    /// schema of each scalar that isn't null.
     pub fn takes(
         &self,
         field: usize,

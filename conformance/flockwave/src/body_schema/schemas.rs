@@ -56,7 +56,7 @@ struct Schema {
 #[derive(Debug)]
 struct Source {
     file: PathBuf,
-    /// The location in the file, in short: a JSON pointer, or an anchor.
+    /// The short form of the location in the file: a JSON pointer, or an anchor.
     location: String,
     value: Value,
 }
@@ -192,7 +192,7 @@ fn leave_out_parts(known: &mut Vec<Arc<Schema>>) {
     known.retain(|schema| !is_in(&parts, schema));
 }
 
-/// The problem of a type with several schemas for a direction.
+/// The problem, if any, that a type has several schemas for the same direction.
 fn conflict(type_name: &str, known: &[Arc<Schema>]) -> Option<Problem> {
     let (other, schema) = known.iter().enumerate().find_map(|(at, schema)| {
         let other = known[..at].iter().find(|other| other.direction == schema.direction)?;
@@ -235,7 +235,8 @@ impl Schema {
         Ok(Self { file: root.path.clone(), direction: root.direction(), parts, validator })
     }
 
-    /// The other files that the schema refers to as a whole, with the schema's direction.
+    /// The other files that this schema refers to as a whole rather than to a part of them, each with the direction of
+    /// this schema.
     fn others(&self) -> impl Iterator<Item = (Option<Direction>, PathBuf)> {
         let is_whole = |part: &&Source| part.location.is_empty() && part.file != self.file;
         self.parts.iter().filter(is_whole).map(|part| (self.direction, part.file.clone()))

@@ -125,7 +125,8 @@ impl Adjustments {
         }
     }
 
-    /// Records that the server may adjust its clock until this time, or at any later time if none is known.
+    /// Records that the server may still adjust its clock until this time. If the time is unknown, the server may
+    /// adjust its clock at any later time.
     pub(super) fn may_follow(&mut self, until: Option<f64>) {
         self.count += 1;
         self.until = self.until.max(until.unwrap_or(f64::INFINITY));

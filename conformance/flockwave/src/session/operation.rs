@@ -28,7 +28,8 @@ pub enum Stage {
 /// An operation.
 #[derive(Clone, Debug, Default)]
 pub struct Operation {
-    /// The type of the response that issued the operation's receipt, if known. Unknown for a receipt of several types.
+    /// The type of the response that issued the operation's receipt. `None` if it is unknown, or if responses of
+    /// several types issued the receipt.
     pub type_name: Option<String>,
     /// The stage.
     pub stage: Stage,

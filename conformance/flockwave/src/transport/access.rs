@@ -16,7 +16,8 @@ pub struct Access {
 }
 
 impl Access {
-    /// Name and password for HTTP Basic authentication, and the certificates for connections over TLS.
+    /// Uses this name and password for HTTP Basic authentication, and trusts these certificates for connections over
+    /// TLS.
     pub fn new(login: Option<(String, String)>, trust: Trust) -> Self {
         Self { login, trust }
     }

@@ -82,7 +82,7 @@ pub enum Carrier {
 }
 
 impl Endpoint {
-    /// The scheme of the URL without TLS: `tcp` for `tcps`, too.
+    /// The URL scheme without the final `s` that denotes TLS: `tcp` for both `tcp` and `tcps`.
     pub fn scheme(&self) -> &'static str {
         match self {
             Self::Tcp(_) => "tcp",
@@ -102,12 +102,12 @@ impl Endpoint {
         }
     }
 
-    /// The path and the query of a URL that has them.
+    /// The path and the query of an HTTP URL; empty for other URLs.
     pub fn path(&self) -> &str {
         if let Self::Http { path, .. } = self { path } else { "" }
     }
 
-    /// Sets the carrier of Socket.IO packets.
+    /// Returns the endpoint with this carrier of Socket.IO packets.
     #[must_use]
     pub fn by(&self, carrier: Carrier) -> Self {
         match self {
@@ -170,7 +170,7 @@ impl fmt::Display for Endpoint {
     }
 }
 
-/// The port of a URL without one.
+/// The port that applies if a URL with this scheme contains none.
 pub(super) fn default_port(scheme: &str) -> Option<u16> {
     match scheme {
         "http" | "ws" => Some(80),
@@ -179,12 +179,12 @@ pub(super) fn default_port(scheme: &str) -> Option<u16> {
     }
 }
 
-/// An address, optionally followed by a slash.
+/// Parses an address that may be followed by a slash.
 fn bare(text: &str, is_encrypted: bool, default_port: Option<u16>) -> Result<ServerAddress, String> {
     ServerAddress::parse(text.strip_suffix('/').unwrap_or(text), is_encrypted, default_port)
 }
 
-/// A Socket.IO URL. Browsers show the URL of the WebSocket, which has the path and the Engine.IO number.
+/// Parses a Socket.IO URL. Also accepts the path and the Engine.IO number of a WebSocket URL, as browsers show it.
 fn socket_io(text: &str, is_encrypted: bool, default_port: Option<u16>) -> Result<Endpoint, String> {
     let (address, query) = text.split_once('?').unwrap_or((text, ""));
     let address = address.strip_suffix(SOCKET_IO_PATH).unwrap_or(address);

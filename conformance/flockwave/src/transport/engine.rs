@@ -147,7 +147,7 @@ fn utf8(bytes: &[u8]) -> Result<&str, String> {
     std::str::from_utf8(bytes).map_err(|error| format!("invalid UTF-8: {error}"))
 }
 
-/// JSON with non-ASCII characters escaped. Revision 3 counts characters, and clients disagree on what a character is.
+/// Escapes the non-ASCII characters of JSON. Revision 3 counts characters, and clients disagree on what a character is.
 fn to_ascii(json: &str) -> String {
     if json.is_ascii() {
         return json.to_owned();

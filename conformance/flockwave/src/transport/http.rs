@@ -229,7 +229,7 @@ mod tests {
 
     const LIMIT: usize = 1 << 20;
 
-    /// The results for these pieces.
+    /// The results of parsing these received pieces.
     fn received(pieces: &[&[u8]]) -> Vec<Incoming> {
         let mut requests = Requests::new(LIMIT);
         let mut all = Vec::new();

@@ -35,7 +35,7 @@ impl Secrets {
         Self { texts }
     }
 
-    /// A text in which a placeholder replaces each secret. In a JSON text, the placeholder is inside of strings.
+    /// Replaces each secret in a text with a placeholder. In JSON strings, secrets may contain escapes.
     pub fn hide<'t>(&self, text: &'t str) -> Cow<'t, str> {
         let mut hidden = Cow::Borrowed(text);
         for secret in &self.texts {
@@ -54,7 +54,7 @@ fn encodings(text: &str) -> impl Iterator<Item = String> + use<> {
     [padded, bare].into_iter()
 }
 
-/// True if a text is too long to appear by chance.
+/// True if a text is so long that it won't appear elsewhere by chance.
 fn is_distinct(text: &str) -> bool {
     text.chars().count() >= MIN_LENGTH
 }
@@ -103,7 +103,7 @@ mod tests {
         }
     }
 
-    /// Hiding a short password everywhere would change other words.
+    /// A short password is hidden only as part of a login, because the same text may also be another word.
     #[test]
     fn short_secrets_are_hidden_only_with_their_context() {
         let secrets = Secrets::new(Some(&("me".to_owned(), "uav".to_owned())), "/?a=uav");

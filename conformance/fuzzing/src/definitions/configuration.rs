@@ -2,16 +2,16 @@
 
 use super::grammar::{self, Table};
 
-/// The values of a path.
+/// Possible values of a path.
 const PATHS: &[&str] = &["\"out\"", "\"../out\"", "\"\"", "\"/\"", "\"a/../../b\"", "\"\\u0000\"", "1", "[]"];
 
-/// The values of a list of patterns.
+/// Possible values of a list of patterns.
 const PATTERNS: &[&str] = &["[\"*.msg\"]", "[]", "[\"\"]", "[\"**/{a,b\"]", "[\"[\"]", "\"*.msg\"", "[1]"];
 
-/// The values of a text.
+/// Possible values of a text.
 const TEXTS: &[&str] = &["\"text\"", "'''a\nb'''", "\"\\u202e\"", "\"é𝄞\"", "0", "true", "{}"];
 
-/// All tables of the file.
+/// All tables that the file may contain.
 const TABLES: [Table; 13] = [
     (
         "[[package]]",
@@ -68,7 +68,7 @@ const TABLES: [Table; 13] = [
     ),
 ];
 
-/// The tables of a file without mistakes: a header, and the keys that get their first value.
+/// The tables of a valid file. Each consists of a header, and the keys that are set to their first value.
 #[cfg(test)]
 const VALID: [(&str, &[&str]); 8] = [
     (
@@ -84,7 +84,7 @@ const VALID: [(&str, &[&str]); 8] = [
     ("[lint.levels]", &["unit-missing", "name-style"]),
 ];
 
-/// A text that the bytes select. It starts with a package, which most tables need.
+/// A text that the bytes select. It starts with a package, because most tables need one.
 pub(super) fn text(data: &[u8]) -> String {
     let package = "[[package]]\nname = \"demo\"\ndialect = \"px4\"\ninclude = [\"*.msg\"]\n";
     package.to_owned() + &grammar::text(&TABLES, data)
@@ -99,7 +99,7 @@ mod tests {
 
     use super::*;
 
-    /// Otherwise, the grammar would describe another file.
+    /// If a table were missing, the grammar would describe a different file.
     #[test]
     fn the_grammar_contains_all_tables_of_a_valid_file() {
         let mut file = String::new();

@@ -1,11 +1,11 @@
-//! Texts that follow the grammar of a TOML file. Random bytes would rarely get past the TOML parser.
+//! Texts that follow the grammar of a TOML file. Random bytes would rarely be accepted by the TOML parser.
 
 use std::fmt::Write as _;
 
-/// A table: its header, and its keys, each with values. The first value of each key is valid.
+/// A table: its header and its keys, each with possible values. The first value of each key is valid.
 pub(crate) type Table = (&'static str, &'static [(&'static str, &'static [&'static str])]);
 
-/// A text that the bytes select from the tables. Keys may be missing or have invalid values.
+/// A text that the bytes select from these tables. Keys may be missing, or have invalid values.
 pub(crate) fn text(tables: &[Table], data: &[u8]) -> String {
     let mut text = String::new();
     let mut bytes = data.iter().map(|byte| usize::from(*byte));

@@ -3,7 +3,7 @@
 use super::grammar::{self, Table};
 use crate::Choices;
 
-/// The values of a field: expressions in place of `$`, and constants.
+/// Possible values of a field: constants, and `$`, which is replaced by an expression.
 const VALUES: &[&str] = &[
     "\"$\"",
     "'$'",
@@ -20,7 +20,7 @@ const VALUES: &[&str] = &[
 
 const MESSAGES: &[&str] = &["\"Glider\"", "\"Tow\"", "\"Absent\"", "\"\"", "7"];
 
-/// Hints with different keys, so that many texts have no mistakes.
+/// Tables of hints. They have different keys, so that many texts have no mistakes.
 const TABLES: [Table; 6] = [
     ("[[hint]]", &[("message", MESSAGES), ("new.mode", VALUES), ("old.mode", VALUES), ("new.mask", VALUES)]),
     (
@@ -84,7 +84,7 @@ const OPERANDS: [&str; 16] = [
 
 const OPERATORS: [&str; 14] = ["==", "!=", "<", "<=", ">", ">=", "+", "-", "*", "/", "&", "|", "and", "or"];
 
-/// Tokens that make most expressions invalid.
+/// Tokens for expressions. Most sequences of them are invalid.
 const TOKENS: [&str; 14] =
     ["if", "then", "else", "not", "absent", "old.", "(", ")", "^", "~", "0xffffffffff", "1e400", "$", "ä"];
 
@@ -98,7 +98,7 @@ pub(super) fn text(data: &[u8]) -> String {
     parts.fold(first, |text, part| text + &expression(&mut choices) + part)
 }
 
-/// An expression of any tokens, or of operands and operators that alternate, which is often valid.
+/// An expression. It consists of arbitrary tokens, or of alternating operands and operators, which are often valid.
 fn expression(choices: &mut Choices<'_>) -> String {
     match choices.below(4) {
         0 | 1 => alternating(choices),

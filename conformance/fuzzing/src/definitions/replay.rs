@@ -7,14 +7,14 @@ use lsp_types::Position;
 use serde_json::{Value, json};
 use uavspec_lsp::{Server, uri};
 
-/// The requests about a position.
+/// The requests that concern a position.
 const REQUESTS: [&str; 6] =
     ["hover", "definition", "documentHighlight", "completion", "prepareRename", "rename"];
 
-/// The requests about a document.
+/// The requests that concern a whole document.
 const WHOLE: [&str; 5] = ["documentSymbol", "foldingRange", "semanticTokens/full", "formatting", "inlayHint"];
 
-/// A change of a document, and the position of the requests after it.
+/// A change of a document. Later requests use its position.
 #[derive(Debug)]
 pub(crate) struct Edit<'t> {
     /// The index of the document.
@@ -25,8 +25,8 @@ pub(crate) struct Edit<'t> {
     pub(crate) text: &'t str,
 }
 
-/// Opens documents, applies edits to them, and sends all requests after each edit. In the end, a server that opens the
-/// final texts must have the same findings.
+/// Opens documents, applies edits to them, and sends all requests after each edit. At the end, a new server that opens
+/// the final texts must have the same findings.
 pub(crate) fn replay(documents: &[(&str, &str)], edits: &[Edit<'_>]) {
     let (connection, _editor) = Connection::memory();
     let mut server = start(&connection);

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use uavspec_model::net;
 
-/// The highest DDS domain whose ports exist, by the port numbers of RTPS.
+/// The highest DDS domain that has valid RTPS port numbers.
 const MAX_DOMAIN: u16 = 232;
 
 /// The address of a bus, such as `dds://0` or `zenoh://127.0.0.1:7447`.
@@ -27,7 +27,7 @@ pub enum Address {
     },
 }
 
-/// A protocol of servers.
+/// The protocol of a server.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scheme {
     /// A Zenoh router or peer.
@@ -68,13 +68,13 @@ impl Address {
         }
     }
 
-    /// True for a DDS domain. Its participants exchange messages only if their quality of service is compatible. rustdds
-    /// doesn't announce type hashes, and writes its own encapsulation headers.
+    /// True for a DDS domain. The participants exchange messages only if their quality-of-service settings are
+    /// compatible. rustdds doesn't announce type hashes, and writes its own encapsulation headers.
     pub fn is_dds(&self) -> bool {
         matches!(self, Self::Dds { .. })
     }
 
-    /// True if a text is meant as the address of a bus.
+    /// True if a text is meant as the address of a bus, even if it is invalid.
     pub fn is_meant(text: &str) -> bool {
         let scheme = text.split_once("://").map_or(text, |(scheme, _)| scheme);
         scheme == "dds" || Scheme::ALL.iter().any(|known| known.name() == scheme)
@@ -113,7 +113,7 @@ fn domain(query: &str) -> Result<u16, String> {
     domain.ok_or_else(|| format!("expected `domain=NUMBER` after `?`, found `{query}`"))
 }
 
-/// The host and the port, if there is one.
+/// Parses the host, and the port if there is one.
 fn server(text: &str, scheme: Scheme) -> Result<net::Address, String> {
     let (name, port) = (scheme.name(), scheme.default_port());
     let has_port = text.rfind(':') > text.rfind(']');

@@ -7,18 +7,18 @@
 //!
 //! # Differences to a ROS node
 //!
-//! - The subscribers of a probe request best effort and volatile, so they match all publishers without partitions. If a
-//!   publisher stores messages, a second subscriber requests them, with reliable delivery. A reliable publisher waits for its
-//!   subscribers: if it keeps all messages, this program can delay it.
-//! - DDS doesn't announce the history. rustdds can't announce partitions or the type hash of our endpoints.
-//! - The subscribers of a topic share the type of the first one. Publishers with another type are reported.
+//! - - The subscribers of a probe request best effort and volatile, so they match all publishers without partitions. If
+//!   a publisher stores messages, a second subscriber requests them, with reliable delivery. A reliable publisher waits
+//!   for its subscribers: if it keeps all messages, this program can slow it down.
+//! - - DDS doesn't announce the history. rustdds can't announce the partitions or the type hash of our endpoints.
+//! - - All subscribers of a topic have the type of the first one. Publishers with another type are reported.
 //! - The name of a node is the name of its participant.
 //!
 //! # Limits
 //!
-//! Above [`MAX_ENDPOINTS`](super::MAX_ENDPOINTS) endpoints, topics or participants, the connection ends, which frees the
-//! memory of rustdds. The number of subscribers depends on the number of files that the process may open. The probe raises this
-//! limit if the system permits it.
+//! If there are more than [`MAX_ENDPOINTS`](super::MAX_ENDPOINTS) endpoints, topics or participants, the connection
+//! ends, which frees the memory of rustdds. The number of subscribers is limited by the number of files that the
+//! process may open. The probe raises this limit if the system permits it.
 //!
 //! rustdds reserves and clears the memory for a fragmented message when its first fragment arrives. It trusts the total
 //! size in the fragment, up to 4 GiB, and doesn't check that the sender is known. It stores up to 128 incomplete messages
@@ -55,7 +55,7 @@ use super::{Bus, Event, Publisher, Topic};
 /// The identifier of little-endian CDR in the encapsulation header.
 const CDR_LE: [u8; 2] = [0, 1];
 
-/// The requested size of the receive buffers of the system: 0.4 s at 20 MB/s. The system may grant less.
+/// The receive buffer size that is requested from the system: 0.4 s at 20 MB/s. The system may grant less.
 const SOCKET_BUFFER: usize = 8 << 20;
 
 /// Joins a DDS domain. If all peers are loopback addresses, only programs on this computer are found.
@@ -72,14 +72,14 @@ pub(super) fn connect(domain: u16, peers: &[IpAddr]) -> Result<Box<dyn Bus>, Str
 
 /// A DDS domain that this program joined.
 struct DdsBus {
-    // Dropped first: the worker may be waiting for space in the queue.
+    // Must be dropped first: the worker may be waiting for space in the queue.
     events: Queue,
     connection: Option<Connection>,
 }
 
 /// The endpoints of this program.
 struct Connection {
-    // Dropped in this order: endpoints end before their participant.
+    // Dropped in this order: the endpoints must end before their participant.
     worker: Worker,
     writers: Vec<DataWriter<Bytes, RawAdapter>>,
     publisher: rustdds::Publisher,
@@ -87,7 +87,7 @@ struct Connection {
 }
 
 impl DdsBus {
-    /// Joins a domain. `network` is the address of the only network interface to use.
+    /// Joins a domain. `network` is the address of the only network interface to use; `None` means all interfaces.
     fn join(domain: u16, network: Option<Ipv4Addr>, peers: &[Ipv4Addr]) -> Result<Self, String> {
         let builder = DomainParticipantBuilder::new(domain).socket_receive_buffer_size(SOCKET_BUFFER);
         let builder = match network {
@@ -95,7 +95,7 @@ impl DdsBus {
             None => builder,
         };
         let failed = |error: &dyn std::fmt::Display| format!("can't join DDS domain {domain}: {error}");
-        // The participant receives from now on.
+        // From now on, the participant receives messages.
         let memory = Memory::start();
         let participant = builder.build().map_err(|error| failed(&error))?;
         let guid = participant.guid().to_bytes();
@@ -153,13 +153,13 @@ impl Bus for DdsBus {
     }
 }
 
-/// The number of messages that a publisher stores. rustdds drops messages of a burst that the publisher doesn't store. A
-/// best-effort publisher never sends its stored messages again, so it can store more than it announces.
+/// The number of messages that a publisher stores. If a burst contains more messages, rustdds drops the rest. A
+/// best-effort publisher never sends its stored messages again, so it can store more messages than it announces.
 fn stored(qos: &Qos) -> Option<History> {
     if qos.reliability == Reliability::BestEffort { Some(History::KeepLast(DEPTH)) } else { qos.history }
 }
 
-/// The message after the encapsulation header, which rustdds writes.
+/// The part of a message after the encapsulation header, because rustdds writes the header itself.
 fn body(payload: &[u8]) -> Result<&[u8], String> {
     match payload.split_at_checked(4) {
         Some((header, body)) if header.starts_with(&CDR_LE) => Ok(body),
@@ -197,7 +197,7 @@ mod tests {
         topic("/wind", "sky_msgs/msg/Wind")
     }
 
-    /// The first event that matches. `work` is called between events.
+    /// Waits for an event that matches, and calls `work` between events.
     fn wait(bus: &mut DdsBus, mut work: impl FnMut(), is_match: impl Fn(&Event) -> bool) -> Event {
         let end = uavspec_test_support::deadline();
         while Clock::real().now() < end {
@@ -310,7 +310,7 @@ mod tests {
         assert_eq!(error.as_deref(), Some("peer ::1: expected an IPv4 address"));
     }
 
-    /// Sends messages to Cyclone DDS, which returns them.
+    /// Cyclone DDS returns the messages that it receives.
     #[test]
     #[ignore = "requires the Python packages that the tests in tests/live install"]
     fn messages_reach_cyclone_dds() {

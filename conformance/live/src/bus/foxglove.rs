@@ -22,19 +22,20 @@ use super::websocket::{
 use super::{Bus, Event, MAX_ENDPOINTS, Publisher, Received, Topic, nanoseconds};
 use crate::limits::{MAX_MESSAGE, MAX_SCHEMAS};
 
-/// The kind of binary messages that contain a message of a topic, in both directions.
+/// The opcode of binary messages that contain a topic's message, in both directions.
 const MESSAGE_DATA: u8 = 1;
 
-/// Other kinds of binary messages: times, responses of services, assets, and the state of playback.
+/// The opcodes of other binary messages: times, responses of services, assets, and the playback state.
 const OTHER_KINDS: std::ops::RangeInclusive<u8> = 2..=5;
 
-/// A part of the status with which `foxglove_bridge` reports that it drops messages. It doesn't name their topics.
+/// A part of the status text that `foxglove_bridge` sends if it drops messages. The text doesn't name their topics.
 const DROPPED: &str = "buffer limit";
 
 const NO_PUBLISHING: &str = "clients can't publish: add `clientPublish` to the server's capabilities, for example in the \
                              parameter `capabilities` of foxglove_bridge";
 
-/// The client doesn't offer `foxglove.sdk.v1.1`, which moves schemas to a table. Servers still support the version before.
+/// The server to connect to. The client doesn't offer `foxglove.sdk.v1.1`, which moves schemas to a table. Servers
+/// still support the previous version.
 const SERVICE: Service = Service {
     example: "foxglove_bridge (port 8765)",
     subprotocols: "foxglove.sdk.v1, foxglove.websocket.v1",
@@ -43,24 +44,24 @@ const SERVICE: Service = Service {
 /// A connection to a Foxglove server.
 pub(super) struct Foxglove {
     link: Link,
-    /// `Ok` if clients can publish; an error is the reason why they can't. `None` until the server has described
+    /// `Ok` if clients can publish. The error is the reason why they can't. `None` until the server has described
     /// itself.
     publishing: Option<Result<(), &'static str>>,
     channels: HashMap<u64, Channel>,
-    /// The topics to receive. Some may have no channel yet.
+    /// The topics to receive. Some may not have a channel yet.
     wanted: HashSet<Arc<str>>,
-    /// The channels of the subscriptions.
+    /// The channel of each subscription.
     subscriptions: HashMap<u32, u64>,
     /// The number of the last subscription.
     last: u32,
-    /// The number of publishers. They are numbered from 1.
+    /// The number of publishers. They are numbered, starting with 1.
     publishers: usize,
     /// The size of the schemas of all channels, in bytes.
     schemas: usize,
 }
 
 impl Foxglove {
-    /// Connects, and waits for the description of the server. An error describes the problem.
+    /// Connects, and waits until the server has described itself. The error describes the problem.
     pub(super) fn connect(address: &Address) -> Result<Self, String> {
         let until = Clock::real().now() + CONNECT_LIMIT;
         Self::greet(Link::open(&SERVICE, address, until)?, until)
@@ -80,7 +81,7 @@ impl Foxglove {
         };
         while client.publishing.is_none() {
             if !step(&mut client, until) && client.publishing.is_none() {
-                let none = || "expected `serverInfo` of a Foxglove server, received none in time".to_owned();
+                let none = || "expected `serverInfo` from a Foxglove server, found none in time".to_owned();
                 return Err(client.link.closed().unwrap_or_else(none));
             }
         }
@@ -112,7 +113,7 @@ impl Foxglove {
         self.subscribe_channels(&wanted)
     }
 
-    /// Adds a channel, or replaces it. Returns its id, or `None` if there are too many channels.
+    /// Adds or replaces a channel. Returns its id, or `None` if there are too many channels.
     fn add(&mut self, described: &Tree<'_>) -> Result<Option<u64>, String> {
         let (id, mut channel) = Channel::read(described)?;
         self.remove(id);
@@ -170,7 +171,7 @@ impl Foxglove {
         self.link.request(&json!({ "op": "subscribe", "subscriptions": subscriptions }))
     }
 
-    /// The number of a new subscription. An error describes the reason why the channel can't be read.
+    /// Returns the number of a new subscription. The error is the reason why the channel can't be read.
     fn new_subscription(&mut self, id: u64) -> Result<u32, String> {
         let channel = self.channels.get_mut(&id).ok_or_else(|| format!("channel {id} ended"))?;
         if let Err(problem) = &channel.encoding {
@@ -190,12 +191,12 @@ impl Foxglove {
         let number = u32::from_le_bytes(*number);
         let id = self.subscriptions.get(&number);
         let Some(channel) = id.and_then(|id| self.channels.get(id)) else {
-            // Messages of channels that ended may still arrive.
+            // Messages may still arrive after their channel has ended.
             let is_old = (1..=self.last).contains(&number);
             return if is_old {
                 Ok(())
             } else {
-                Err(format!("received a message of unknown subscription {number}"))
+                Err(format!("received a message for the unknown subscription {number}"))
             };
         };
         let (topic, schema) = (channel.topic.clone(), channel.schema.clone());
@@ -205,7 +206,7 @@ impl Foxglove {
         Ok(())
     }
 
-    /// Reports a status of the server.
+    /// Reports a status message of the server.
     fn status(&mut self, status: &Tree<'_>) -> Result<(), String> {
         let message = excerpt(string(status, "message")?);
         if message.to_ascii_lowercase().contains(DROPPED) {

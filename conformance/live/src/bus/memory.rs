@@ -1,5 +1,5 @@
-//! A bus within a process, for the self-test and for tests. Like DDS, it compares the quality of service, and like Zenoh,
-//! it announces type hashes. Its threads wait by simulated time.
+//! A bus within a process, for the self-test and for tests. Like DDS, it compares the quality of service. Like Zenoh,
+//! it announces type hashes. Its threads wait in simulated time.
 
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, VecDeque};
@@ -11,7 +11,7 @@ use uavspec_model::{Endpoint, EndpointKind, Qos};
 
 use super::{Bus, Encoding, Event, Publisher, Received, Topic, nanoseconds};
 
-/// The interval between checks for events. It matters only in real time, which no user of the bus needs.
+/// The interval between checks for events. It matters only in real time, in which no user runs this bus.
 const INTERVAL: Duration = Duration::from_millis(1);
 
 /// A network that connects buses.
@@ -24,7 +24,7 @@ struct Member {
     is_connected: bool,
     node: String,
     endpoints: Vec<Endpoint>,
-    /// The requested quality of service, by topic.
+    /// The quality of service that the bus requests, by topic.
     subscribed: HashMap<Arc<str>, Qos>,
     events: VecDeque<Event>,
 }
@@ -139,7 +139,8 @@ impl Drop for MemoryBus {
     }
 }
 
-/// True if a publisher offers what a subscriber requests. The participants of a network use no other policies.
+/// True if the quality of service of a publisher meets the request of a subscriber. Compares only the policies that the
+/// participants of a network use.
 fn is_compatible(offered: &Qos, requested: &Qos) -> bool {
     offered.reliability >= requested.reliability && offered.durability >= requested.durability
 }

@@ -15,7 +15,7 @@ pub(super) struct Problems {
 impl Problems {
     /// The event for a remark. `None` if it was reported before.
     pub(super) fn remark(&mut self, text: String) -> Option<Event> {
-        add(text, &mut self.remarks, "further remarks are left out").map(Event::Problem)
+        add(text, &mut self.remarks, "further remarks are omitted").map(Event::Problem)
     }
 
     /// The event for data that isn't received or can't be read. `None` if it was reported before.
@@ -24,7 +24,8 @@ impl Problems {
     }
 }
 
-/// Adds a text, or `further` if there are too many. Returns the added text.
+/// Adds a text, and returns it. Returns `None` if the text is already known. If there are too many texts, `further` is
+/// added instead.
 fn add(text: String, known: &mut HashSet<String>, further: &str) -> Option<String> {
     let is_shown = known.len() < MAX_PROBLEMS || known.contains(&text);
     let text = if is_shown { text } else { further.to_owned() };

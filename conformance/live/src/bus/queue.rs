@@ -15,7 +15,7 @@ const MAX_EVENTS: usize = 1 << 14;
 /// The maximum total size of the waiting payloads, in bytes.
 const MAX_BYTES: usize = 256 << 20;
 
-/// The numbers of messages that found no space, by topic.
+/// The numbers of messages that were lost because the queue had no space, by topic.
 type Losses = BTreeMap<Arc<str>, u64>;
 
 /// An event in the queue.
@@ -26,7 +26,7 @@ struct Waiting {
     lost: Losses,
 }
 
-/// The losses since the latest event in the queue, and the waiting messages.
+/// The losses since the last event in the queue, and the counts of waiting messages.
 #[derive(Debug, Default)]
 struct State {
     lost: Losses,
@@ -37,8 +37,8 @@ struct State {
 }
 
 impl State {
-    /// True if there is space for a message. After a loss, the queue must be half empty first: with a loss between all
-    /// messages, the reader would be even slower.
+    /// True if there is space for a message. After a loss, the queue must first be half empty: if there were a loss
+    /// between any two messages, the reader would be even slower.
     fn has_space(&self, size: usize) -> bool {
         let is_full = self.bytes + size > MAX_BYTES || self.messages >= MAX_EVENTS;
         let is_half_full = self.bytes > MAX_BYTES / 2 || self.messages > MAX_EVENTS / 2;
@@ -50,7 +50,7 @@ impl State {
     }
 }
 
-/// The end of the queue that the threads of a transport use.
+/// The end of the queue that adds events, for the threads of a transport.
 #[derive(Clone, Debug)]
 pub(crate) struct Sender {
     events: SyncSender<Waiting>,
@@ -62,7 +62,7 @@ pub(crate) struct Sender {
 pub(crate) struct Queue {
     events: Receiver<Waiting>,
     state: Arc<Mutex<State>>,
-    /// Losses, and the event that follows them.
+    /// Losses to return next, and the event that follows them.
     due: VecDeque<Event>,
 }
 
@@ -74,14 +74,15 @@ pub(crate) fn queue() -> (Sender, Queue) {
 }
 
 impl Sender {
-    /// Adds an event. If there is no space, a message is dropped and counted as lost; the thread waits with any other
-    /// event. Returns false if nothing reads the queue any more.
+    /// Adds an event. If there is no space, a message is dropped and counted as lost; for any other event, the thread
+    /// waits. Returns false if the queue no longer has a reader.
     pub(crate) fn send(&self, event: Event) -> bool {
         let Event::Message(message) = &event else {
             return self.events.send(Waiting { event, lost: Losses::new() }).is_ok();
         };
         let (topic, size) = (Arc::clone(&message.topic.name), message.payload.len());
-        // The state stays locked, so that no other message gets between the losses and the message that carries them.
+        // The state stays locked, so that no other message can get between the losses and the message that carries
+        // them.
         let mut state = locked(&self.state);
         if !state.has_space(size) {
             state.lose(topic);
@@ -105,7 +106,7 @@ impl Sender {
 }
 
 impl Queue {
-    /// The next event. Waits until the deadline if there is none. Losses are returned at the place of the lost messages.
+    /// The next event, if there is one before the deadline. Losses are returned in the order in which they occurred.
     pub(crate) fn receive(&mut self, deadline: Instant) -> Option<Event> {
         if let Some(event) = self.due.pop_front() {
             return Some(event);
@@ -121,7 +122,7 @@ impl Queue {
                 self.due.push_back(event);
                 self.due.pop_front()
             }
-            // All events before these losses were returned.
+            // All events before these losses have been returned.
             Err(RecvTimeoutError::Timeout) => self.latest_loss(),
             Err(RecvTimeoutError::Disconnected) => {
                 self.latest_loss().or_else(|| Some(Event::Closed("the connection ended".to_owned())))
@@ -134,8 +135,8 @@ impl Queue {
         self.due.pop_front()
     }
 
-    /// The losses and the unreadable data that weren't returned yet. Drops the waiting messages, so nothing may be received
-    /// afterwards.
+    /// The losses and the unreadable data that haven't been returned yet. Drops the waiting messages, so the queue must
+    /// not be used afterwards.
     pub(crate) fn remaining_losses(&mut self) -> Vec<Event> {
         let mut remaining = Losses::new();
         let mut add = |topic, count| *remaining.entry(topic).or_default() += count;

@@ -1,7 +1,7 @@
 //! A client of the rosbridge protocol, version 2.
 //!
-//! The protocol has no discovery. The node rosapi lists the topics; without it, the user must name them. Messages are JSON:
-//! depending on the version of the server, NaN is `null` or a bare token, and bytes are base64.
+//! The protocol has no discovery. The node rosapi lists the topics; without it, the user must name them. Messages are
+//! JSON. Depending on the version of the server, NaN is `null` or a bare token. Bytes are base64.
 
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
@@ -21,45 +21,45 @@ use super::{Bus, Encoding, Event, MAX_ENDPOINTS, Publisher, Received, Topic, nan
 
 const SERVICE: Service = Service { example: "rosbridge_websocket (port 9090)", subprotocols: "" };
 
-/// The interval between requests for the list of topics.
+/// The interval between requests for the topic list.
 const LIST_INTERVAL: Duration = Duration::from_secs(5);
 
-/// The maximum time until rosapi answers.
+/// The maximum time to wait for an answer from rosapi.
 const LIST_LIMIT: Duration = Duration::from_secs(10);
 
-/// The service that lists the topics.
+/// The service that returns the topic list.
 const LIST_SERVICE: &str = "/rosapi/topics";
 
-/// The id of requests for the list of topics.
+/// The id of requests for the topic list.
 const LIST_ID: &str = "topics";
 
-/// The error of publishing.
+/// The error that publishing returns.
 const ONLY_JSON: &str =
     "rosbridge accepts JSON instead of CDR: to publish, connect with dds://, zenoh:// or foxglove://";
 
 /// A connection to a rosbridge server.
 pub(super) struct Rosbridge {
     link: Link,
-    /// The time of the next request for the list of topics, or the deadline for its answer.
+    /// The time of the next request for the topic list. If a request is pending, the deadline for its answer.
     due: Instant,
-    /// True if the list was requested.
+    /// True if the topic list has been requested, and the answer is pending.
     is_requested: bool,
-    /// The number of requests for the list that have no answer yet. A slow answer may follow the next request.
+    /// The number of unanswered requests for the topic list. A slow answer may arrive after the next request.
     unanswered: usize,
-    /// True if the latest request for the list failed.
+    /// True if the latest request for the topic list failed.
     has_failed: bool,
-    /// True if a failure was reported.
+    /// True if a failure has been reported.
     is_reported: bool,
     /// The listed topics with their types.
     topics: BTreeMap<String, Arc<str>>,
     /// The topics to receive.
     subscribed: HashMap<Arc<str>, Topic>,
-    /// The topics to receive if rosapi isn't available, except topics from which a message was received.
+    /// The topics to receive if rosapi isn't available, except those from which a message has been received.
     names: Vec<String>,
 }
 
 impl Rosbridge {
-    /// Connects. `names` are the topics to receive if rosapi isn't available. An error describes the problem.
+    /// Connects. `names` are the topics to receive if rosapi isn't available. The error describes the problem.
     pub(super) fn connect(address: &Address, names: &[String]) -> Result<Self, String> {
         Ok(Self {
             link: Link::open(&SERVICE, address, Clock::real().now() + CONNECT_LIMIT)?,
@@ -75,7 +75,7 @@ impl Rosbridge {
     }
 
     fn message(&mut self, name: &str, payload: &str) -> Result<(), String> {
-        let unknown = || format!("received a message of {:?}, which has no subscription", excerpt(name));
+        let unknown = || format!("received a message on {:?}, which has no subscription", excerpt(name));
         let topic = self.subscribed.get_mut(name).ok_or_else(unknown)?;
         self.names.retain(|waiting| waiting != name);
         if topic.type_name.is_empty()
@@ -92,7 +92,7 @@ impl Rosbridge {
     /// Handles an answer to a request for the list of topics.
     fn answered(&mut self, response: &Tree<'_>) {
         let Some(unanswered) = self.unanswered.checked_sub(1) else {
-            return self.link.problem(format!("received an answer of {LIST_SERVICE} without a request"));
+            return self.link.problem(format!("received an answer from {LIST_SERVICE} without a request"));
         };
         self.unanswered = unanswered;
         self.pause();
@@ -102,7 +102,7 @@ impl Rosbridge {
         }
     }
 
-    /// Reads the list of topics. An error is the reason why there is none.
+    /// Reads the topic list. The error is the reason why it can't be read.
     fn listed(&mut self, response: &Tree<'_>) -> Result<(), String> {
         let values = response.get("values");
         if response.get("result") == Some(&Tree::Bool(false)) {
@@ -128,7 +128,7 @@ impl Rosbridge {
         Ok(())
     }
 
-    /// Reports the differences to the previous list.
+    /// Reports the differences from the previous list.
     fn update(&mut self, topics: BTreeMap<String, Arc<str>>) {
         for name in self.topics.keys().filter(|name| !topics.contains_key(*name)) {
             self.link.push(Event::Ended(name.clone()));
@@ -139,14 +139,14 @@ impl Rosbridge {
         self.topics = topics;
     }
 
-    /// Continues without a list until the next request.
+    /// Handles a failed request. Continues without a list until the next request.
     fn fail(&mut self, reason: &str) {
         self.has_failed = true;
         self.pause();
         let remedy = if self.names.is_empty() {
-            "Start rosapi_node in addition to rosbridge, or name the topics with --topics"
+            "Start rosapi_node in addition to rosbridge, or specify the topics with --topics"
         } else {
-            "Only the topics that --topics names without patterns are received"
+            "Only topics whose full names are given with --topics are received"
         };
         if !std::mem::replace(&mut self.is_reported, true) {
             self.link.problem(format!("{LIST_SERVICE} doesn't list the topics: {reason}. {remedy}"));
@@ -154,13 +154,13 @@ impl Rosbridge {
         self.subscribe_names();
     }
 
-    /// Waits until the next request.
+    /// Sets the time of the next request.
     fn pause(&mut self) {
         (self.due, self.is_requested) = (Clock::real().now() + LIST_INTERVAL, false);
     }
 
-    /// Subscribes to the named topics from which no message was received. The server finds out their types, and refuses
-    /// topics that have no publisher yet.
+    /// Subscribes to the named topics from which no message has been received. The server finds out their types, and
+    /// refuses topics that have no publisher yet.
     fn subscribe_names(&mut self) {
         for name in self.names.clone() {
             self.subscribed.remove(&*name);
@@ -171,10 +171,11 @@ impl Rosbridge {
         }
     }
 
-    /// Reports a status of the server. An error means that it refuses a topic, unless the list was requested.
+    /// Reports a status message of the server. An error means that the server refuses a topic, unless the topic list
+    /// was requested.
     fn status(&mut self, status: &Tree<'_>) {
         let text = format!("the server reports a problem: {}", described(status.get("msg")));
-        // Named topics are tried until they have a publisher.
+        // Subscriptions to named topics are repeated until the topics have a publisher.
         let is_tried = self.has_failed || status.get("id").and_then(Tree::as_str) == Some(LIST_ID);
         match string(status, "level") {
             Ok("info" | "none") => {}
@@ -187,7 +188,7 @@ impl Rosbridge {
         (self.due, self.is_requested) = (Clock::real().now() + LIST_LIMIT, true);
         self.unanswered = self.unanswered.saturating_add(1);
         let request = json!({ "op": "call_service", "id": LIST_ID, "service": LIST_SERVICE, "args": {} });
-        // An error closes the connection, which is an event.
+        // An error closes the connection, which results in an event.
         let _ = self.link.request(&request);
     }
 }
@@ -270,13 +271,13 @@ impl Bus for Rosbridge {
     }
 }
 
-/// The position of the value of a member.
+/// The position of the value of the member `key`.
 fn place(operation: &Tree<'_>, places: Vec<Range<usize>>, key: &str) -> Option<Range<usize>> {
     let Tree::Object(members) = operation else { return None };
     members.iter().zip(places).find(|((known, _), _)| known == key).map(|(_, place)| place)
 }
 
-/// True if a response has no name, or the name of the service that lists the topics.
+/// True if a response belongs to a request for the topic list: it names the service, or no service.
 fn is_list(response: &Tree<'_>) -> bool {
     response.get("service").is_none_or(|name| name.as_str() == Some(LIST_SERVICE))
 }

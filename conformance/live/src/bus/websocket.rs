@@ -32,24 +32,24 @@ pub(super) const CONNECT_LIMIT: Duration = Duration::from_secs(5);
 /// The maximum length of an excerpt, in characters.
 const MAX_EXCERPT: usize = 200;
 
-/// The time of silence after which a ping is sent.
+/// The time without a message after which a ping is sent.
 const PING_INTERVAL: Duration = Duration::from_secs(10);
 
 /// The maximum time until the server answers a ping.
 const PONG_LIMIT: Duration = Duration::from_secs(20);
 
-/// The maximum time that sending may block.
+/// The maximum time for which sending may block.
 const SEND_LIMIT: Duration = Duration::from_secs(2);
 
-/// The maximum time that sending a ping or the end of the connection may block.
+/// The maximum time for which sending a ping or a close frame may block.
 const PING_LIMIT: Duration = Duration::from_millis(100);
 
-/// The minimum time to wait, so that data that has already arrived is read even if the deadline has passed.
+/// The minimum time to wait. It ensures that data that has already arrived is read, even if the deadline has passed.
 const MIN_WAIT: Duration = Duration::from_millis(1);
 
 /// The kind of server that a client expects.
 pub(super) struct Service {
-    /// A program that is such a server, with its usual port.
+    /// A program that provides this service, with its usual port.
     pub(super) example: &'static str,
     /// The subprotocols, starting with the preferred one. Empty if there are none.
     pub(super) subprotocols: &'static str,
@@ -60,25 +60,25 @@ pub(super) trait Protocol {
     /// The connection.
     fn link(&mut self) -> &mut Link;
 
-    /// Handles a text message. An error describes the reason why it can't be read.
+    /// Handles a text message. The error describes the reason why it can't be read.
     fn text(&mut self, text: &str) -> Result<(), String>;
 
-    /// Handles a binary message. An error describes the reason why it can't be read.
+    /// Handles a binary message. The error describes the reason why it can't be read.
     fn binary(&mut self, bytes: &[u8]) -> Result<(), String>;
 
-    /// Sends requests that are due. Returns the time at which the next one is due.
+    /// Sends the requests that are due. Returns the time at which the next request is due.
     fn poll(&mut self) -> Option<Instant> {
         None
     }
 }
 
-/// The next event of a client. `None` if there is none before the deadline.
+/// The next event of a client, or `None` if there is none before the deadline.
 pub(super) fn receive(client: &mut impl Protocol, deadline: Instant) -> Option<Event> {
     while client.link().events.is_empty() && step(client, deadline) {}
     client.link().events.pop_front()
 }
 
-/// Handles at most one message. Returns false at the deadline and at the end of the connection.
+/// Handles at most one message. Returns false if the deadline has passed or the connection has ended.
 pub(super) fn step(client: &mut impl Protocol, deadline: Instant) -> bool {
     let known = client.link().events.len();
     let due = client.poll().map_or(deadline, |due| due.min(deadline));
@@ -93,7 +93,7 @@ pub(super) fn step(client: &mut impl Protocol, deadline: Instant) -> bool {
     if let Err(problem) = handled {
         client.link().unreadable(problem);
     }
-    // Many messages without an event must not hold up the caller.
+    // Many messages without an event must not block the caller.
     !client.link().is_closed && Clock::real().now() < deadline
 }
 
@@ -107,7 +107,7 @@ pub(super) struct Link {
 }
 
 impl Link {
-    /// Opens a connection. An error describes the problem.
+    /// Opens a connection. The error describes the problem.
     pub(super) fn open(service: &Service, address: &Address, until: Instant) -> Result<Self, String> {
         let stream = Stream::open(address, None, until)
             .map_err(|error| format!("{error}. Start a server such as {}", service.example))?;
@@ -132,12 +132,13 @@ impl Link {
         self.events.push_back(event);
     }
 
-    /// Reports a remark, unless it was reported before or there were too many problems.
+    /// Reports a remark, unless it has already been reported or there are too many problems.
     pub(super) fn problem(&mut self, text: String) {
         self.events.extend(self.problems.remark(text));
     }
 
-    /// Reports data that isn't received or can't be read, unless it was reported before or there were too many problems.
+    /// Reports data that isn't received or can't be read, unless it has already been reported or there are too many
+    /// problems.
     pub(super) fn unreadable(&mut self, text: String) {
         self.events.extend(self.problems.unreadable(text));
     }
@@ -156,7 +157,7 @@ impl Link {
         sent.inspect_err(|problem| self.close(problem.clone()))
     }
 
-    /// Sends a message. An error describes the problem.
+    /// Sends a message. The error describes the problem.
     pub(super) fn send(&mut self, message: Message) -> Result<(), String> {
         if self.is_closed {
             return Err("the connection is closed".to_owned());
@@ -172,7 +173,7 @@ impl Link {
         }
     }
 
-    /// The next message. `None` if there is none in time, or if the connection is closed.
+    /// The next message. `None` if none arrives in time, or if the connection is closed.
     fn next(&mut self, until: Instant) -> Option<Message> {
         if self.is_closed {
             return None;
@@ -203,7 +204,7 @@ impl Link {
         None
     }
 
-    /// Sends a ping. If sending blocks, the rest is sent later.
+    /// Sends a ping. If sending blocks, the rest of the ping is sent later.
     fn ping(&mut self) {
         self.socket.get_mut().set_deadline(Clock::real().now() + PING_LIMIT);
         match self.socket.send(Message::Ping(Bytes::new())) {
@@ -215,7 +216,7 @@ impl Link {
 }
 
 impl Drop for Link {
-    /// Closes the connection with a close frame: servers log a warning otherwise.
+    /// Closes the connection with a close frame, because servers otherwise log a warning.
     fn drop(&mut self) {
         if !self.is_closed {
             self.socket.get_mut().set_deadline(Clock::real().now() + PING_LIMIT);
@@ -234,12 +235,12 @@ struct Heartbeat {
 }
 
 impl Heartbeat {
-    /// The state after a message.
+    /// The state after a message at this time.
     fn new(heard: Instant) -> Self {
         Self { heard, pinged: None }
     }
 
-    /// True if a ping must be sent now. It then counts as sent.
+    /// True if a ping must be sent now. If so, counts the ping as sent.
     fn is_ping_due(&mut self, now: Instant) -> bool {
         let is_due = self.pinged.is_none() && now >= self.next();
         if is_due {
@@ -248,12 +249,12 @@ impl Heartbeat {
         is_due
     }
 
-    /// The time of the next ping, or the latest time of the answer to the last one.
+    /// The time at which the next ping is due. If a ping is pending, the deadline for its answer.
     fn next(&self) -> Instant {
         self.pinged.map_or(self.heard + PING_INTERVAL, |pinged| pinged + PONG_LIMIT)
     }
 
-    /// True if the answer to a ping is missing.
+    /// True if a ping wasn't answered in time.
     fn is_dead(&self, now: Instant) -> bool {
         self.pinged.is_some() && now >= self.next()
     }
@@ -275,7 +276,7 @@ fn config() -> WebSocketConfig {
     config.max_write_buffer_size(2 * limit)
 }
 
-/// The cause of a failed handshake. `None` if the server didn't respond.
+/// The cause of a failed handshake. `error` is `None` if the server didn't respond.
 fn explain(service: &Service, error: Option<&Error>) -> String {
     let Service { example, subprotocols } = service;
     let found = match error {
@@ -326,7 +327,7 @@ pub(super) fn check_name(kind: &str, name: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// The event for a topic that a server lists: a publisher whose node and quality of service aren't known.
+/// The event for a topic that a server lists: a publisher with an unknown node and an unknown quality of service.
 pub(super) fn publisher(id: String, topic: &str, type_name: &str) -> Event {
     Event::Endpoint(Endpoint {
         id,
@@ -353,7 +354,7 @@ pub(super) fn list<'t, 'a>(object: &'t Tree<'a>, key: &str) -> Result<&'t [Tree<
     })
 }
 
-/// A member of a JSON object. `read` returns `None` if it has another type.
+/// A member of a JSON object. `read` returns `None` if the value doesn't have the expected type.
 pub(super) fn member<'t, 'a, T>(
     object: &'t Tree<'a>,
     key: &str,

@@ -1,11 +1,11 @@
-//! A Zenoh network, with the names that `rmw_zenoh` of ROS 2 gives to its parts.
+//! A Zenoh network, with the key names that ROS 2's `rmw_zenoh` uses.
 //!
 //! - A liveliness token announces an endpoint, see [`token`]. Nodes and services aren't reported.
-//! - A message is a sample with an attachment. Numbers in the attachment show losses, see [`sequence`].
-//! - Transient local publishers answer queries below the key of their topic with the messages that they store.
-//!   Caches of early versions of `rmw_zenoh`, which used other keys, aren't queried.
-//! - A sample of more than 64 MiB ends within Zenoh without notice. The next message of its publisher shows the gap.
-//! - Zenoh delivers tokens slowly in large numbers: 12,000 take about 11 seconds.
+//! - - A message is a sample with an attachment. The sequence numbers in attachments reveal losses, see [`sequence`].
+//! - - Transient local publishers store messages, and reply with them to queries for keys below the key of their topic.
+//!   The caches of early `rmw_zenoh` versions used other keys, and aren't queried.
+//! - - Zenoh drops a sample of more than 64 MiB without notice. The next message of the same publisher reveals the gap.
+//! - - Zenoh delivers large numbers of tokens slowly: 12,000 tokens take about 11 seconds.
 //!
 //! The crate hiroz-protocol has similar code, but it requires the default features of zenoh, and reads hashes that it
 //! can't parse as zeros.
@@ -59,19 +59,20 @@ const CHECK_PERIOD: Duration = Duration::from_secs(1);
 
 /// A session on a Zenoh network.
 pub(super) struct Zenoh {
-    // The first field: once the queue is dropped, no thread of Zenoh waits for space in it, and the session can close.
+    // Must be the first field: once the queue is dropped, no thread of Zenoh waits for space in it, and the session can
+    // close.
     queue: Queue,
     sender: Sender,
     domain: u16,
     graph: Graph,
-    /// Problems that this thread found. The thread can't use the queue, since it would wait for itself.
+    /// Problems that this thread has found. This thread can't add them to the queue, because it would wait for itself.
     problems: VecDeque<Event>,
     subscriptions: HashMap<Arc<str>, Subscription>,
     publications: Vec<Publication>,
     last_id: u64,
-    /// The topics whose stored messages were not queried yet.
+    /// The topics whose stored messages haven't been queried yet.
     unqueried: BTreeSet<Arc<str>>,
-    /// The number of clones is the number of queries that wait for replies.
+    /// Shared with the queries that wait for replies: the number of clones is their number.
     queries: Arc<()>,
     checked: Instant,
     is_closed: bool,
@@ -130,7 +131,7 @@ impl Zenoh {
         })
     }
 
-    /// The token of the next endpoint of this program, and its number.
+    /// Returns the token and the number of the next endpoint of this program.
     fn next_token(&mut self, kind: EndpointKind, topic: &Topic, qos: &Qos) -> (u64, String) {
         self.last_id += 1;
         let (session, node) = (self.session.zid().to_string(), NODE.to_owned());
@@ -138,7 +139,7 @@ impl Zenoh {
         (self.last_id, token.format(self.domain, self.last_id))
     }
 
-    /// Queries stored messages. The rest waits if too many queries wait for replies.
+    /// Queries stored messages. If too many queries are waiting for replies, the other topics are queried later.
     fn query_stored(&mut self) {
         while Arc::strong_count(&self.queries) <= MAX_QUERIES
             && let Some(name) = self.unqueried.pop_first()
@@ -156,7 +157,7 @@ impl Zenoh {
         }
     }
 
-    /// Follows the endpoints of topics that this program uses.
+    /// Handles an event about an endpoint whose topic this program uses.
     fn follow(&mut self, event: &Event) {
         let Event::Endpoint(endpoint) = event else { return };
         match endpoint.kind {
@@ -170,7 +171,7 @@ impl Zenoh {
         }
     }
 
-    /// The problem to report if a subscriber expects another type, and so doesn't receive this program's messages.
+    /// The problem to report if a subscriber expects another type, so that it doesn't receive this program's messages.
     fn mismatch(&self, subscriber: &Endpoint) -> Option<String> {
         let (type_name, hash) = (&*subscriber.type_name, subscriber.type_hash.as_deref());
         if type_name.is_empty() {
@@ -192,7 +193,8 @@ impl Zenoh {
         ))
     }
 
-    /// The end of the connection. Zenoh connects again, but the program would miss messages without notice.
+    /// The event for the end of the connection, if it has ended. Zenoh reconnects, but the program would miss messages
+    /// without notice.
     fn check_connection(&mut self) -> Option<Event> {
         if Clock::real().now() < self.checked + CHECK_PERIOD {
             return None;
@@ -273,7 +275,7 @@ impl Bus for Zenoh {
 }
 
 impl Subscription {
-    /// The problem to report if this subscription ignores messages of the other type.
+    /// The problem to report if this subscription has another type, so that it ignores messages of the topic `other`.
     fn other_type(&self, other: &Topic) -> Option<String> {
         let Topic { name, type_name, type_hash } = &self.topic;
         let is_included =
@@ -287,7 +289,7 @@ impl Subscription {
     }
 }
 
-/// The type and its hash in problems.
+/// The text for a type and its hash in problems.
 fn shown(type_name: &str, hash: Option<&str>) -> String {
     format!("{} with the hash {}", type_name.escape_debug(), hash.unwrap_or("-").escape_debug())
 }
@@ -328,7 +330,7 @@ fn declare_token(session: &Session, key: &str) -> Result<LivelinessToken, String
     session.liveliness().declare_token(key).wait().map_err(|error| failure("announce", key, &error))
 }
 
-/// Adds the endpoints of others to the queue.
+/// Subscribes to tokens, and adds the endpoints of others to the queue.
 fn subscribe_to_tokens(session: &Session, domain: u16, sender: &Sender) -> Result<Subscriber<()>, String> {
     let (key, own, sender) = (token::all_tokens(domain), session.zid().to_string(), sender.clone());
     let tokens = session.liveliness().declare_subscriber(&key).history(true);

@@ -16,11 +16,11 @@ use super::release::Release;
 use super::role::{Purpose, Role};
 use crate::bus::{Bus, Encoding, Event, Publisher, Received, Topic, nanoseconds};
 
-/// The time at which a role starts, in µs since boot. 0 would mean that the time is unknown.
+/// The time since boot at which a role starts, in µs. It isn't 0, because 0 means that the time is unknown.
 const BOOT: u64 = 10_000_000;
 
-/// The maximum time that a due message waits until all received messages are handled. Otherwise, a reply that was
-/// received in time could be recorded after the next request.
+/// The maximum time for which a due message is postponed until all received messages have been handled. If it weren't
+/// postponed, a reply that was received in time could be recorded after the next request.
 const MAX_POSTPONED: Duration = Duration::from_secs(2);
 
 /// The maximum number of problems.
@@ -36,7 +36,7 @@ pub(super) struct Actor {
     bug: Option<&'static Bug>,
     clock: Clock,
     started: Instant,
-    /// For each published type, its publisher, topic, and number of messages.
+    /// The publisher, the topic and the number of messages of each published type.
     outputs: HashMap<&'static str, Output>,
     /// The types of the subscribed topics.
     inputs: HashMap<String, &'static str>,
@@ -54,7 +54,7 @@ struct Output {
 
 /// The events of a step.
 pub(super) struct Step {
-    /// The event on the bus.
+    /// The event that was received from the bus.
     pub received: Option<Event>,
     /// The messages that the roles sent.
     pub sent: Vec<Event>,
@@ -89,7 +89,7 @@ impl Actor {
             // The probe adapts to the vehicle.
             endpoints.push(endpoint(EndpointKind::Subscriber, &topic, qos, false));
         }
-        // An autopilot offers the same quality of service as PX4, but components choose theirs.
+        // An autopilot offers the same quality of service as PX4. Components choose their own.
         let is_matched_by_qos = bus.is_matched_by_qos() && sending == "out";
         for (index, name) in actor.role.published().iter().enumerate() {
             let topic = actor.release.topic(name, sending)?;
@@ -103,7 +103,7 @@ impl Actor {
         Ok((actor, endpoints))
     }
 
-    /// Passes endpoints that were discovered earlier to the role.
+    /// Passes the endpoints that were discovered earlier to the role.
     pub(super) fn discover(&mut self, endpoints: &[Endpoint]) {
         let now = self.now();
         for endpoint in endpoints {
@@ -111,12 +111,12 @@ impl Actor {
         }
     }
 
-    /// The time at which messages are due.
+    /// The time at which the next messages are due.
     fn due(&self) -> Option<Instant> {
         self.role.next_tick().map(|due| self.time_of(due))
     }
 
-    /// Lets the role react to an event. If no event is pending, also sends the messages that are due.
+    /// Lets the role react to an event. If there is no event, also sends the messages that are due.
     fn react(&mut self, bus: &mut dyn Bus, received: Option<&Event>) -> Vec<Event> {
         let due = self.due();
         let mut sent = match received {
@@ -150,7 +150,7 @@ impl Actor {
         let Some(name) = self.inputs.get(&*message.topic.name) else { return Vec::new() };
         let decoded = match message.encoding {
             Encoding::Cdr => self.release.decode(name, &message.payload),
-            Encoding::Json => Err("a role can't read messages in JSON".to_owned()),
+            Encoding::Json => Err("a role can't read JSON messages".to_owned()),
         };
         match decoded {
             Ok(message) => {
@@ -199,7 +199,7 @@ impl Actor {
     }
 }
 
-/// The quality of service that a role requests for a topic.
+/// The quality of service that a role requests for the topic with this index.
 fn requested(index: usize, bug: Option<&Bug>) -> Qos {
     let is_reliable = index == 0 && bug.is_some_and(Bug::requests_reliable);
     let reliability = if is_reliable { Reliability::Reliable } else { Reliability::BestEffort };
@@ -212,7 +212,7 @@ fn recorded(topic: &Topic, payload: Vec<u8>, clock: &Clock) -> Event {
     Event::Message(Received { is_own: true, ..message })
 }
 
-/// An endpoint of this program, for the recording. It has no type hash, so that a vehicle of another release isn't
+/// An endpoint of this program, for the recording. It has no type hash, so that a vehicle with another release isn't
 /// blamed for the definitions of this program.
 fn endpoint(kind: EndpointKind, topic: &Topic, qos: Qos, is_matched_by_qos: bool) -> Event {
     Event::Endpoint(Endpoint {
@@ -233,7 +233,7 @@ fn note(notes: &mut Vec<String>, text: String) {
     }
 }
 
-/// Creates a participant of the arming checks.
+/// Creates a role in the arming checks.
 pub(super) fn role(side: Side, purpose: Purpose, release: &Arc<Release>) -> Box<dyn Role> {
     match side {
         Side::Autopilot => Box::new(Autopilot::new(purpose, BOOT, Arc::clone(release))),

@@ -22,7 +22,7 @@ use super::role::{Purpose, Role};
 /// The maximum number of registrations.
 const REGISTRATIONS: usize = 8;
 
-/// The time between requests, in µs.
+/// The interval between requests, in µs.
 const INTERVAL: u64 = 300_000;
 
 /// The time between two requests in quick succession, in µs. A component has 50 ms to reply.
@@ -37,20 +37,20 @@ const MAX_MISSING: u8 = 3;
 /// The id of the first request. The ids wrap around after a few requests.
 const FIRST_ID: u8 = 250;
 
-/// The number of requests after which the trials start again.
+/// The number of requests after which the sequence of trials starts again.
 const CYCLE: u64 = 24;
 
-/// The request of a cycle that another request follows quickly.
+/// The number of the request in a cycle that is quickly followed by another request.
 const HURRIED: u64 = 4;
 
-/// The request of a cycle after which an id is skipped, as if a request were lost.
+/// The number of the request in a cycle after which an id is skipped, as if a request had been lost.
 const SKIPPED: u64 = 9;
 
-/// The requests of a cycle whose mask contains no registration, as if all components were unresponsive. They come last,
-/// because a component may leave.
+/// The numbers of the requests in a cycle whose mask contains no registration, as if all components were unresponsive.
+/// They come last, because a component may leave.
 const REVOKED: std::ops::Range<u64> = 18..20;
 
-/// The time between two states of the vehicle, in µs.
+/// The interval between vehicle states, in µs.
 const STATE_INTERVAL: u64 = 500_000;
 
 /// The id of the first external mode: `NAVIGATION_STATE_EXTERNAL1` of `VehicleStatus`.
@@ -59,10 +59,10 @@ const FIRST_MODE: i8 = 23;
 /// The id of the first external mode executor. 0 is the flight controller itself.
 const FIRST_EXECUTOR: i8 = 1;
 
-/// A value that doesn't exist.
+/// A value that isn't a valid id.
 const INVALID: i8 = -1;
 
-/// The log levels of the summaries of a report: users never see them.
+/// The log levels of the summaries in a report. Users never see them.
 const PROTOCOL: u8 = 0x88;
 
 /// `ARMING_STATE_DISARMED` of `VehicleStatus`.
@@ -71,7 +71,7 @@ const DISARMED: u8 = 1;
 /// `NAVIGATION_STATE_AUTO_LOITER` of `VehicleStatus`.
 const HOLD: u8 = 4;
 
-/// The valid modes: from 0 to this mode.
+/// The mask of the valid modes.
 const VALID_MODES: u32 = (1 << 5) - 1;
 
 /// `VEHICLE_TYPE_ROTARY_WING` of `VehicleStatus`.
@@ -103,7 +103,7 @@ const REFERENCE: &[&str] = &[
     VEHICLE_STATUS,
 ];
 
-/// The type of the vehicle's state. The fields differ among releases, so there is no Rust type.
+/// The message type of the vehicle's state. The fields differ between releases, so there is no Rust type.
 const VEHICLE_STATUS: &str = "VehicleStatus";
 
 /// A flight controller. It never arms.
@@ -171,7 +171,7 @@ impl Autopilot {
         [Sent::new(&reply)].into_iter().chain(report).collect()
     }
 
-    /// Answers the question of a component that compares its definitions with the flight controller's definitions.
+    /// Answers a component that asks for the flight controller's definition of a message, to compare it with its own.
     fn answer_format(&self, request: &MessageFormatRequest, now: u64) -> Sent {
         let topic = request.topic_name.as_str().ok().and_then(|name| name.rsplit_once('/'));
         let is_known = request.protocol_version == MessageFormatRequest::LATEST_PROTOCOL_VERSION;
@@ -185,7 +185,7 @@ impl Autopilot {
         })
     }
 
-    /// The place for a registration: the place of an earlier registration with the same name, or a free place.
+    /// The slot for a registration: the slot of an earlier registration with the same name, or a free slot.
     fn slot(&self, request: &RegisterExtComponentRequest) -> Option<i8> {
         let is_valid = request.px4_ros2_api_version
             == RegisterExtComponentRequest::LATEST_PX4_ROS2_API_VERSION
@@ -209,7 +209,7 @@ impl Autopilot {
         }
     }
 
-    /// Returns the report about a refusal.
+    /// Handles a reply. If it refuses arming, returns a report about the refusal.
     fn replied(&mut self, reply: &ArmingCheckReply, now: u64) -> Vec<Sent> {
         self.replies += 1;
         let slot = self.registrations.get_mut(usize::from(reply.registration_id));
@@ -244,7 +244,7 @@ impl Autopilot {
         Sent::new(&request)
     }
 
-    /// The registrations whose components respond.
+    /// The mask of the registrations whose components respond.
     fn mask(&self) -> u32 {
         let slots = (0_u32..).zip(&self.registrations);
         let is_valid =
@@ -252,7 +252,7 @@ impl Autopilot {
         slots.filter(|(_, known)| is_valid(known)).map(|(slot, _)| 1 << slot).sum()
     }
 
-    /// The health and arming report with these reasons for a refusal. A judge publishes no report.
+    /// The health and arming report, with these reasons for a refusal. Empty for a judge, which publishes no report.
     fn report(&mut self, reasons: &[Event], now: u64) -> Vec<Sent> {
         if self.purpose == Purpose::Judge {
             return Vec::new();
@@ -379,7 +379,7 @@ fn vehicle_status(now: u64) -> Value {
     })
 }
 
-/// The flags of a vehicle on the ground without a radio.
+/// The flags of a vehicle that is on the ground and has no radio.
 fn failsafe_flags(now: u64) -> FailsafeFlags {
     FailsafeFlags {
         timestamp: now,

@@ -17,36 +17,36 @@ const PUBLISHED: &[&str] =
 
 const RECEIVED: &[&str] = &[ArmingCheckRequest::NAME, RegisterExtComponentReply::NAME];
 
-/// The time after which a registration without a reply is repeated, in µs.
+/// The time after which an unanswered registration request is repeated, in µs.
 const RETRY_TIME: u64 = 1_000_000;
 
-/// The maximum number of requests for a registration.
+/// The maximum number of registration requests.
 const ATTEMPTS: u8 = 5;
 
-/// The time of the second registration of a judge, in µs after the start.
+/// The time at which a judge registers its second component, in µs after the start.
 const SECOND_START: u64 = 1_200_000;
 
-/// The time that the second component of a judge stays registered, in µs.
+/// The time for which the second component of a judge stays registered, in µs.
 const SECOND_STAY: u64 = 1_500_000;
 
-/// A judge refuses arming in this reply, and in no other.
+/// The number of the only reply in which a judge refuses arming.
 const REFUSAL: u64 = 4;
 
-/// A reference refuses arming once in this many replies.
+/// The number of replies after which a reference refuses arming once.
 const REFUSAL_INTERVAL: u64 = 4;
 
-/// The reason for a refusal. It affects all modes, and belongs to no component of the vehicle.
+/// The reason for a refusal. It affects all modes, and concerns no component of the vehicle.
 const REASON: CheckModesGlobalPos =
     CheckModesGlobalPos { modes: NavigationModeGroup(u32::MAX), health_component_index: 0 };
 
-/// The log levels of the reason: warning.
+/// The log levels of the reason: both are "warning".
 const WARNING: u8 = 0x44;
 
-/// The components of a program.
+/// The external components that a program provides.
 pub(super) struct Component {
     purpose: Purpose,
     members: Vec<Member>,
-    /// The id and the time of the latest request, which may be received twice.
+    /// The id and the time of the latest request. The same request may be received twice.
     latest: Option<(u8, u64)>,
 }
 
@@ -57,9 +57,9 @@ struct Member {
     state: State,
     /// The time of the next action. `None` if there is none.
     due: Option<u64>,
-    /// The number of requests for a registration.
+    /// The number of registration requests that have been sent.
     attempts: u8,
-    /// The time that the component stays registered. `None` if it stays until the end.
+    /// The time for which the component stays registered. `None` if it stays until the end.
     stay: Option<u64>,
     /// The number of replies to arming checks.
     replies: u64,
@@ -70,7 +70,7 @@ enum State {
     /// Not registered.
     Unregistered,
     Registered(RegisterExtComponentReply),
-    /// The registration was refused, or got no reply.
+    /// The registration was refused, or remained unanswered.
     Failed,
     Left,
 }
@@ -138,7 +138,7 @@ impl Member {
         }
     }
 
-    /// The request for a registration. The flight controller sets the time of messages without a time.
+    /// The registration request. It has no time: the flight controller sets the time of such messages.
     fn request(&self) -> Sent {
         Sent::new(&RegisterExtComponentRequest {
             request_id: self.request_id,

@@ -13,26 +13,26 @@ use uavspec_types::px4::{MessageFormatRequest, MessageFormatResponse};
 use super::namespace::Namespace;
 use super::role::Role;
 
-/// The time from the discovery of the first topic to the first question, in µs. The flight controller discovers the
-/// questions in this time.
+/// The time from the discovery of the first topic to the first question, in µs. During this time, the flight controller
+/// discovers the publisher of the questions.
 const START_TIME: u64 = 300_000;
 
-/// The time after which a question without a response is repeated, in µs.
+/// The time after which an unanswered question is repeated, in µs.
 const RETRY_TIME: u64 = 300_000;
 
-/// The maximum number of attempts for a question.
+/// The maximum number of times that a question is sent.
 const ATTEMPTS: u32 = 5;
 
-/// The number of questions without any response after which the flight controller counts as silent.
+/// The number of unanswered questions after which the flight controller counts as silent.
 const MAX_SILENT: usize = 2;
 
 /// The maximum number of topics in a note.
 const MAX_LISTED: usize = 8;
 
-/// The questions of an application to a flight controller. PX4 stores a single question, so the next one follows
-/// after the response.
+/// The questions of an application to a flight controller. PX4 stores only one question, so the next one is sent after
+/// the response.
 pub(super) struct Inquiry {
-    /// The topics that the application defines, without folder and version.
+    /// The topics that the application defines, without their folder and version.
     defined: HashSet<String>,
     namespace: Namespace,
     selected: Option<GlobSet>,
@@ -44,7 +44,7 @@ pub(super) struct Inquiry {
     refused: Vec<String>,
 }
 
-/// A question that has no response yet.
+/// A question that hasn't been answered yet.
 struct Question {
     topic: String,
     attempts: u32,
@@ -71,7 +71,8 @@ impl Inquiry {
         }
     }
 
-    /// The name of an endpoint's topic in a question, without a namespace. `None` if the application doesn't use the topic.
+    /// The name that a question uses for the topic of an endpoint, without a namespace. `None` if the application
+    /// doesn't use the topic.
     fn asked_name(&self, topic: &str) -> Option<String> {
         let (folder, name) = self.namespace.strip(topic)?.rsplit_once('/')?;
         let name = unversioned(name).filter(|_| !self.defined.contains(name)).unwrap_or(name);
@@ -157,9 +158,9 @@ impl Role for Inquiry {
         let waiting = self.current.iter().map(|question| &question.topic).chain(&self.waiting);
         let unanswered: Vec<&String> = self.unanswered.iter().chain(waiting).collect();
         let refused: Vec<&String> = self.refused.iter().collect();
-        let unasked = "no topic of the application exists in /fmu/in and /fmu/out: nothing was compared";
-        let silent = "the vehicle answered no question about its definitions: PX4 answers since 1.15, over \
-                      uXRCE-DDS only";
+        let unasked = "no topic of the application exists in /fmu/in or /fmu/out: nothing was compared";
+        let silent = "the vehicle answered no question about its definitions: only PX4 1.15 and later \
+                      answer, and only over uXRCE-DDS";
         match (self.known.len(), self.answered) {
             (0, _) => vec![unasked.to_owned()],
             (_, 0) => vec![silent.to_owned()],

@@ -12,7 +12,7 @@ use uavspec_rules::definitions::FOLDERS;
 pub struct Namespace(String);
 
 impl Namespace {
-    /// The namespace of the vehicle on a bus. An error means that there are several vehicles.
+    /// The namespace of the vehicle on a bus. Fails if there are several vehicles.
     pub(super) fn of_vehicle(endpoints: &[Endpoint]) -> Result<Self, String> {
         let found: BTreeSet<Self> = endpoints
             .iter()
@@ -29,8 +29,8 @@ impl Namespace {
         Ok(found.into_iter().next().unwrap_or_default())
     }
 
-    /// The rest of a topic of this vehicle, such as `/fmu/out/vehicle_status`. `None` if PX4 doesn't exchange the topic with
-    /// applications, or if the topic belongs to another vehicle.
+    /// The name of a topic without the vehicle's namespace, such as `/fmu/out/vehicle_status`. `None` if PX4 doesn't
+    /// exchange the topic with applications, or if the topic belongs to another vehicle.
     pub(super) fn strip<'t>(&self, topic: &'t str) -> Option<&'t str> {
         Self::split(topic).filter(|(namespace, _)| namespace == self).map(|(_, rest)| rest)
     }

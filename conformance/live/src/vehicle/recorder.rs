@@ -19,24 +19,24 @@ use uavspec_schema::event::is_compressed;
 use crate::bus::{Encoding, Event, Received, Schema, Topic};
 use crate::limits::MAX_CHANNELS;
 
-/// A channel: a topic with its schema and encoding, and whether this program sends its messages.
+/// A channel: a topic with its schema and encoding, and a flag that is true if this program sends its messages.
 type Key = (Topic, Option<Arc<Schema>>, Encoding, bool);
 
-/// Writes a bag. Each record can be checked at the same time.
+/// Writes a bag. Each record can be checked when it is written.
 pub(super) struct Recorder<'d> {
     /// Checks the same records, once the release is known.
     pub(super) live: Option<LiveBag<'d>>,
-    /// `None` if further events are only checked.
+    /// The file. `None` if further events are only checked.
     writer: Option<Writer<BufWriter<File>>>,
     pub(super) path: PathBuf,
     /// The id and the next sequence number of each channel.
     channels: HashMap<Key, (u16, u32)>,
-    /// The ids of the schemas, by the name of the type.
+    /// The ids of the schemas, by type name and schema.
     schemas: HashMap<(Arc<str>, Option<Arc<Schema>>), u16>,
 }
 
 impl Recorder<'_> {
-    /// Creates the file. It contains event metadata that the user gave.
+    /// Creates the file. If the user passed event metadata, writes it to the file.
     pub(super) fn create(path: &Path, events: &EventMetadata) -> io::Result<Self> {
         let mut writer = Writer::new(BufWriter::new(File::create(path)?), "ros2")?;
         if let Some(file) = events.file() {
@@ -56,17 +56,18 @@ impl Recorder<'_> {
         self.writer.as_ref().map_or(0, Writer::size)
     }
 
-    /// Writes all events so far to the file.
+    /// Flushes all events so far to the file.
     pub(super) fn flush(&mut self) -> io::Result<()> {
         self.writer.as_mut().map_or(Ok(()), Writer::flush)
     }
 
-    /// Closes the file. Further events are checked, but not written: the index of an open file grows without limit.
+    /// Closes the file. Further events are checked but not written, because the index of an open file grows without
+    /// limit.
     pub(super) fn discard(&mut self) {
         self.writer = None;
     }
 
-    /// Writes the end of the file. Returns the result of the check, if there is one.
+    /// Writes the end of the file. Returns the result of the check, if the records were checked.
     pub(super) fn finish(self) -> io::Result<Option<CaptureResult>> {
         if let Some(writer) = self.writer {
             writer.finish()?.flush()?;
@@ -83,12 +84,12 @@ impl Recorder<'_> {
             Event::Lost { topic, count } => self.lost(topic, *count),
             Event::Unreadable(text) => self.metadata(UNREADABLE, &[("text".to_owned(), text.clone())].into()),
             Event::Message(message) => self.message(message),
-            // The probe writes notes and the reason for the end.
+            // Only the probe writes notes and the reason for the end.
             Event::Problem(_) | Event::Closed(_) => Ok(()),
         }
     }
 
-    /// Writes a type of the application.
+    /// Writes a type that the application uses.
     pub(super) fn application(&mut self, ty: &ApplicationType) -> io::Result<()> {
         self.metadata(APPLICATION, &ty.to_values())
     }
@@ -165,8 +166,8 @@ impl Recorder<'_> {
         Ok(id)
     }
 
-    /// Declares the schema of a topic. Returns its id. Most buses announce only the name of the type: the text is empty
-    /// then, as in the bags of `ros2 bag record`.
+    /// Declares the schema of a topic, and returns its id. If the bus announces only the name of the type, the text is
+    /// empty, as in the bags of `ros2 bag record`.
     fn schema(&mut self, topic: &Topic, schema: Option<&Arc<Schema>>) -> io::Result<u16> {
         let key = (Arc::clone(&topic.type_name), schema.cloned());
         if let Some(id) = self.schemas.get(&key) {

@@ -13,11 +13,11 @@ use super::release::Release;
 use super::role::Purpose;
 use crate::bus::{Bus, Event};
 
-/// Takes part in arming checks until `is_over` returns true, with the newest release, or the release that the user
-/// requests. `bug` makes the reference violate a rule.
+/// Takes part in arming checks until `is_over` returns true. Uses the newest release, unless the user requests another
+/// one. With `bug`, the reference violates a rule.
 ///
 /// # Errors
-/// Fails if the bus refuses a topic, or if the connection ends. The text describes the problem.
+/// Fails if the bus refuses a topic, or if the connection ends. The error describes the problem.
 pub fn serve(
     bus: &mut dyn Bus,
     library: &Library,

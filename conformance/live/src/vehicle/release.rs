@@ -1,6 +1,7 @@
 //! The messages of a role in a release of PX4.
 //!
-//! Roles contain messages as JSON. A release may lack fields of a message, or have further fields, which have the value 0.
+//! Roles store messages as JSON. A release may lack fields of such a message. If it has additional fields, their value
+//! is 0.
 
 use std::sync::Arc;
 
@@ -21,14 +22,14 @@ pub(super) struct Release {
 }
 
 impl Release {
-    /// Chooses the release of a vehicle. If the vehicle doesn't indicate it, chooses the newest release.
+    /// Chooses the release of a vehicle. If the definitions don't indicate it, chooses the newest release.
     pub(super) fn new(definitions: &Arc<Definitions>, library: &Library, namespace: Namespace) -> Self {
         let is_shown = !definitions.releases().is_empty() || !library.depends_on_capture();
         let definitions = if is_shown { Arc::clone(definitions) } else { library.newest_px4() };
         Self { definitions, namespace }
     }
 
-    /// The topic of a type. An error means that the release lacks the type. `folder` is `in` or `out`.
+    /// The topic of a type. `folder` is `in` or `out`. Fails if the release lacks the type.
     pub(super) fn topic(&self, name: &str, folder: &str) -> Result<Topic, String> {
         let message = self.message(self.id(name)?);
         let topic = message.topics.first().map_or("", String::as_str);
@@ -44,7 +45,7 @@ impl Release {
         self.definitions.message_of_topic(topic).map(|id| self.message(id).hash)
     }
 
-    /// The payload of a message. An error describes the problem.
+    /// The payload of a message. The error describes the problem.
     pub(super) fn encode(&self, sent: &Sent) -> Result<Vec<u8>, String> {
         let ty = self.definitions.types().get(self.id(sent.name)?);
         let mut value = ty.default().to_json().map_err(|error| error.to_string())?;
@@ -57,7 +58,7 @@ impl Release {
         Ok(payload)
     }
 
-    /// Reads a payload. An error describes the problem.
+    /// Reads a payload. The error describes the problem.
     pub(super) fn decode(&self, name: &'static str, payload: &[u8]) -> Result<Sent, String> {
         let ty = self.definitions.types().get(self.id(name)?);
         let message = ty.decode_cdr_strict(payload).map_err(|error| error.to_string())?;

@@ -1,6 +1,7 @@
 //! The roles that this program can take on a vehicle's bus.
 //!
-//! A role is a state machine without input, output or clock. An [`Actor`](super::actor::Actor) connects a role to a bus.
+//! A role is a state machine that does no input or output, and has no clock. An [`Actor`](super::actor::Actor) connects
+//! a role to a bus.
 
 use uavspec_model::Endpoint;
 use uavspec_rules::px4::Sent;
@@ -23,7 +24,7 @@ pub(crate) trait Role {
     /// Handles a message. Returns the messages to send.
     fn receive(&mut self, message: &Sent, now: u64) -> Vec<Sent>;
 
-    /// Sends the messages that are due.
+    /// Returns the messages that are due.
     fn tick(&mut self, now: u64) -> Vec<Sent>;
 
     /// The time of the next [`tick`](Self::tick). `None` if nothing is due.
@@ -41,7 +42,7 @@ pub(crate) trait Role {
 /// The purpose of a role.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Purpose {
-    /// The role tests another participant: it sends unusual messages, which are all valid.
+    /// The role tests other participants: it sends unusual but valid messages.
     Judge,
     /// The role is a reference for other programs.
     Reference,

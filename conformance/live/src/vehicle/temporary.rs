@@ -1,4 +1,4 @@
-//! Temporary recordings. They are removed even if the process exits while a thread still writes to one.
+//! Temporary recordings. They are removed even if the process exits while a thread still writes to one of them.
 
 use std::collections::BTreeSet;
 use std::io;
@@ -44,7 +44,7 @@ pub fn remove_recordings() {
 
 fn remove(paths: BTreeSet<PathBuf>) {
     for path in paths {
-        // The file may be gone already, and nobody can react to an error.
+        // The file may already be gone, and nobody could react to an error.
         let _ = std::fs::remove_file(path);
     }
 }

@@ -19,10 +19,11 @@ use crate::bus::memory::{MemoryBus, Network};
 /// The time for which these tests listen.
 const TIME: Duration = Duration::from_millis(2_200);
 
-/// The time for messages after the release was chosen.
+/// The listening time of tests that need messages after the release has been chosen.
 const LONG: Duration = Duration::from_secs(5);
 
-/// Publishes the messages of a flight on these topics, which announce their type hashes.
+/// Publishes the messages of a flight on the topics for which `is_flown` returns true. The topics announce their type
+/// hashes.
 fn fly(bus: &mut MemoryBus, flight: &Flight<'_>, is_flown: impl Fn(&str) -> bool) {
     fly_as(bus, flight, true, is_flown);
 }
@@ -42,7 +43,7 @@ fn fly_as(bus: &mut MemoryBus, flight: &Flight<'_>, has_hashes: bool, is_flown: 
             is_flown(&message.name).then(|| bus.advertise(&topic, &Qos::PX4).expect("a publisher"))
         })
         .collect();
-    // The probe subscribes when it has discovered the publishers.
+    // The probe subscribes once it has discovered the publishers.
     bus.clock().sleep(Duration::from_millis(200));
     for sent in &flight.messages {
         let Some(publisher) = publishers[sent.topic] else { continue };
@@ -56,7 +57,7 @@ fn counts(findings: &Findings) -> BTreeMap<(&'static str, String), u64> {
     findings.groups().map(|group| ((group.rule.id, group.subject.clone()), group.count)).collect()
 }
 
-/// Probes while `act` uses the network. Also checks the recording, which must have the same findings.
+/// Probes a vehicle while `act` uses the network. Also checks the recording, which must have the same findings.
 fn probed(time: Duration, act: impl FnOnce(&Network, &Clock) + Send) -> Checked {
     probed_with(Options::new(time), act)
 }
@@ -72,7 +73,7 @@ fn probed_by(library: &Library, options: Options, act: impl FnOnce(&Network, &Cl
         let options = Options { record: Some(file.clone()), ..options };
         probe(bus, library, &options, &|_| {}).expect("a result")
     });
-    // The recording contains what the user gave.
+    // The recording contains the data that the user passed.
     let recorded = check_path(&file, None, &Library::built_in(), &|input| input).expect("a recording");
     let [live, later] = [&found, &recorded];
     assert_eq!(counts(&live.result.findings), counts(&later.result.findings));
@@ -95,7 +96,7 @@ fn probed_by(library: &Library, options: Options, act: impl FnOnce(&Network, &Cl
     found
 }
 
-/// Probes in simulated time while `act` uses the network in another thread.
+/// Runs a probe in simulated time, while `act` uses the network in another thread.
 fn simulated<T>(act: impl FnOnce(&Network, &Clock) + Send, probe: impl FnOnce(&mut MemoryBus) -> T) -> T {
     let (network, clock) = (Network::default(), Clock::simulated());
     thread::scope(|scope| {
@@ -197,7 +198,7 @@ fn names_of_topics_show_the_release_of_a_vehicle_without_type_hashes() {
         fly_as(&mut network.connect("/px4", clock), &flight, false, |_| true);
         clock.sleep(LONG);
     });
-    // Newer releases have different messages of the same size, on topics with a version.
+    // In newer releases, this size belongs to other messages, on topics with a version.
     assert_eq!(found.definitions.name, "PX4 1.15");
     assert_eq!(counts(&found.result.findings), BTreeMap::new());
 }
@@ -243,7 +244,7 @@ fn only_selected_topics_are_received() {
     assert_eq!(found.result.records, flights.counts()["failsafe_flags"]);
 }
 
-/// Compares an application of a release with the reference autopilot of PX4 1.18.
+/// Compares an application that uses a release with the reference autopilot, which uses PX4 1.18.
 fn compared_with(release: &str) -> Checked {
     let library = Library::release(release).expect("a release");
     let application = ApplicationType::all(&library.base().schema);
@@ -273,7 +274,7 @@ fn an_application_with_the_definitions_of_the_vehicle_conforms() {
     assert_eq!(found.result.notes, Vec::<String>::new());
 }
 
-/// Probes a reference participant of a release in the opposite role.
+/// Runs a reference participant with a release, and probes it in the opposite role.
 fn probed_reference(release: &str, namespace: &str, side: Side) -> Checked {
     let role = if side == Side::Autopilot { Side::Component } else { Side::Autopilot };
     probed_with(Options { role: Some(role), ..Options::new(LONG) }, |network, clock| {
@@ -359,7 +360,7 @@ fn lost_messages_make_the_outcome_incomplete() {
     assert_eq!(outcome(found), OutcomeKind::Incomplete);
 }
 
-/// The texts about data that wasn't received or can't be read.
+/// The texts about data that wasn't received, or can't be read.
 fn gaps(checked: &Checked) -> Vec<&str> {
     checked.result.corruption.iter().map(|(_, text)| text.as_str()).collect()
 }

@@ -16,7 +16,7 @@ use super::state::State;
 pub(crate) struct Uav {
     /// The last reported state.
     pub state: Option<State>,
-    /// The server's reason for not reporting the UAV's state.
+    /// The server's reason for not reporting the UAV's state, if it refused.
     pub refusal: Option<String>,
     /// The time at which the state's timestamp last changed.
     changed: Option<Instant>,
@@ -110,7 +110,7 @@ impl Fleet {
             Content::Time(time) => self.clock = Some((now, time)),
             Content::List(list) => {
                 self.has_list = true;
-                // The server accepts requests, so an earlier refusal is obsolete.
+                // The server accepts requests, so an earlier refusal no longer applies.
                 self.remark = None;
                 self.is_overfull = !self.uavs.update(&list, now);
             }
@@ -169,14 +169,14 @@ impl Fleet {
         self.has_list && self.uavs().all(|(_, uav)| is_known(uav))
     }
 
-    /// The age of a UAV's state. The age is computed from the timestamp if the server's clock is known. Otherwise, it
+    /// The age of a UAV's state. If the server's clock is known, the age is computed from the timestamp. Otherwise, it
     /// is the time since the timestamp last changed.
     pub(crate) fn age(&self, uav: &Uav, now: Instant) -> Option<Duration> {
         let since = now.saturating_duration_since(uav.changed?);
         let timestamp = uav.state.as_ref().and_then(|state| state.timestamp.known());
         let by_clock = self.clock.zip(timestamp).and_then(|((at, time), timestamp)| {
             let passed = i64::try_from(now.saturating_duration_since(at).as_millis()).unwrap_or(i64::MAX);
-            // A timestamp ahead of the server's clock gives no age.
+            // If a timestamp is ahead of the server's clock, the age is unknown.
             u64::try_from(time.saturating_add(passed).saturating_sub(*timestamp)).ok()
         });
         Some(by_clock.map_or(since, Duration::from_millis))

@@ -24,7 +24,7 @@ pub(super) fn number(number: &Field<i64>, format: impl FnOnce(i64) -> String) ->
     field(number, |number| format(*number))
 }
 
-/// Formats a numeric part of an optional field.
+/// Formats a numeric part of an optional field. `part` returns this part of the whole.
 pub(super) fn part<T>(
     whole: Option<&Field<T>>,
     part: impl FnOnce(&T) -> &Field<i64>,

@@ -43,7 +43,7 @@ pub fn table(fleet: &Fleet, codes: &Codes, now: Instant) -> String {
     let mut table = String::new();
     for (cells, errors) in &rows {
         for (cell, column) in cells.iter().zip(widths) {
-            // `format!` pads by characters, not by display width.
+            // `format!` pads to a number of characters, not to a display width.
             let space = column - width(cell) + 2;
             let _ = write!(table, "{cell}{:space$}", "");
         }

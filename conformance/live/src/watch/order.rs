@@ -26,7 +26,7 @@ impl Order {
         }
     }
 
-    /// The next order, or the first order after the last one.
+    /// The next order. The first order follows the last one.
     #[must_use]
     pub(crate) fn next(self) -> Self {
         match self {
@@ -47,7 +47,7 @@ impl Order {
     }
 }
 
-/// The sort key for the charge: UAVs with an unknown charge are last.
+/// The sort key for the charge. UAVs with an unknown charge come last.
 fn charge(uav: &Uav) -> (bool, i64) {
     let percent = uav
         .state
@@ -74,7 +74,7 @@ fn natural(one: &str, other: &str) -> Ordering {
             return order;
         }
     }
-    // Ids that differ only in leading zeros also have a defined order.
+    // The order is defined even for ids that differ only in leading zeros.
     left.len().cmp(&right.len()).then_with(|| one.cmp(other))
 }
 

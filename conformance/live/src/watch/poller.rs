@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use super::message::{Content, Message};
 use super::roster::Roster;
 
-/// The interval between requests for the list of UAVs. Servers report UAVs that leave, but not UAVs that join.
+/// The interval between requests for the list of UAVs. Servers report when a UAV leaves, but not when a UAV joins.
 const LIST_PERIOD: Duration = Duration::from_secs(5);
 
 /// The interval between requests for the server's clock.
@@ -42,7 +42,7 @@ pub(super) struct Poller {
     next_list: Instant,
     next_time: Instant,
     next_search: Instant,
-    /// The number of requests so far.
+    /// The number of requests that have been sent.
     count: u64,
 }
 
@@ -92,7 +92,7 @@ impl Poller {
     pub(super) fn take(&mut self, message: &Message, now: Instant) {
         let is_response = self.pending.as_ref().is_some_and(|(id, _)| match &message.refs {
             Some(refs) => refs == id,
-            // A response without an envelope doesn't name its request.
+            // A response without an envelope doesn't identify its request.
             None => self.is_one_shot && matches!(message.content, Content::States(_) | Content::Refused(_)),
         });
         if is_response {
@@ -123,7 +123,7 @@ impl Poller {
         }
     }
 
-    /// The UAVs whose states to request next. UAVs without an earlier request come first.
+    /// The UAVs whose states to request next. UAVs whose states haven't been requested yet come first.
     fn overdue(&mut self, now: Instant) -> Vec<String> {
         let is_due = |last: Option<Instant>| last.is_none_or(|last| now.duration_since(last) >= SILENCE);
         let mut due: Vec<(Option<Instant>, &str)> = self

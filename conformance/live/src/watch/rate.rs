@@ -8,7 +8,8 @@ const WINDOW: usize = 5;
 /// Counts messages per second.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Rate {
-    /// The current second and the seconds of the window, with the number of messages in each, latest first.
+    /// The number of messages in each second of the window, and in the current second. Each entry also contains the
+    /// second. The latest comes first.
     seconds: [(u64, u32); WINDOW + 1],
 }
 

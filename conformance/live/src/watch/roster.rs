@@ -7,8 +7,8 @@ use uavspec_flockwave::limits::MAX_ID;
 
 use crate::limits::MAX_UAVS;
 
-/// The time for which a reported UAV is kept even if a list doesn't contain it. The list may be older than the report,
-/// and some servers report UAVs that they don't list.
+/// The time for which a UAV is kept after a report, even if a list doesn't contain it. The list may be older than the
+/// report, and some servers report UAVs that they don't list.
 const GRACE_PERIOD: Duration = Duration::from_secs(10);
 
 /// A list of ids.
@@ -37,7 +37,7 @@ pub(super) struct Roster<T> {
 }
 
 impl<T: Default> Roster<T> {
-    /// Returns the UAV with this id, which is added if necessary. `None` if a limit is exceeded.
+    /// Returns the data of the UAV with this id. Adds the UAV if necessary. Returns `None` if a limit is exceeded.
     pub(super) fn admit(&mut self, id: &str) -> Option<&mut Member<T>> {
         if !self.members.contains_key(id) {
             if id.len() > MAX_ID || self.members.len() >= MAX_UAVS {
@@ -48,7 +48,8 @@ impl<T: Default> Roster<T> {
         self.members.get_mut(id)
     }
 
-    /// Adds the UAVs in a list of all UAVs, and removes other UAVs. Returns true if all listed UAVs could be added.
+    /// Adds the UAVs in a list. If the list is whole, removes all UAVs that are neither in it nor recently reported.
+    /// Returns true if the list is whole and all of its UAVs could be added.
     pub(super) fn update(&mut self, list: &List, now: Instant) -> bool {
         if list.is_whole {
             let listed: BTreeSet<&str> = list.ids.iter().map(String::as_str).collect();

@@ -15,7 +15,7 @@ pub enum Page {
     /// All UAVs, or the vehicle.
     #[default]
     Main,
-    /// The main page, while the user types a filter.
+    /// The main page, while the user is typing a filter.
     Filter,
     /// The details of one UAV.
     Details,
@@ -46,7 +46,7 @@ pub struct Pages {
 }
 
 impl Pages {
-    /// Handles a key that all screens share. Any other key on the main page is returned as an error.
+    /// Handles a key that all screens have in common. Any other key on the main page is returned as an error.
     pub(super) fn press(&mut self, key: KeyEvent) -> Result<Step, KeyCode> {
         if key.kind == KeyEventKind::Release {
             return Ok(Step::Stay);
@@ -81,20 +81,20 @@ impl Pages {
         Ok(Step::Stay)
     }
 
-    /// Shows the start of a page.
+    /// Opens a page, and scrolls to its start.
     fn open(&mut self, page: Page) {
         self.page = page;
         self.first_line = 0;
     }
 
-    /// Scrolls a page. Returns true if the key is a scroll key.
+    /// Scrolls a page, if the key is a scroll key. Returns true if it is.
     pub(super) fn scroll(&mut self, key: KeyCode) -> bool {
         let line = self.moved(self.first_line, key);
         self.first_line = line.unwrap_or(self.first_line);
         line.is_some()
     }
 
-    /// The place of a line after a scroll key. `None` for other keys.
+    /// The line to which a scroll key moves from `line`. `None` for other keys.
     fn moved(&self, line: usize, key: KeyCode) -> Option<usize> {
         let page = self.height.max(1);
         Some(match key {
@@ -103,7 +103,7 @@ impl Pages {
             KeyCode::PageUp => line.saturating_sub(page),
             KeyCode::PageDown => line + page,
             KeyCode::Home | KeyCode::Char('g') => 0,
-            // The caller reduces this value to the last line.
+            // The caller limits this value to the last line.
             KeyCode::End | KeyCode::Char('G') => usize::MAX / 2,
             _ => return None,
         })
@@ -145,7 +145,7 @@ impl Screen {
         self.selected = Some(rows[self.row].0.to_owned());
         let lowest = (self.row + 1).saturating_sub(height).min(self.row);
         self.first_row = self.first_row.clamp(lowest, self.row);
-        // There are no empty rows at the end if there are enough UAVs.
+        // If there are enough UAVs, there are no empty rows at the end.
         self.first_row = self.first_row.min(rows.len().saturating_sub(height));
         Some(self.row)
     }
@@ -242,7 +242,7 @@ mod tests {
         let mut screen = Screen::default();
         let first = |screen: &Screen| screen.rows(&fleet).first().map(|(id, _)| (*id).to_owned());
         press(&mut screen, &fleet, &[typed('s')]);
-        // 60 × 4 = 240 is the first fatal code.
+        // 60 × 4 = 240 is the lowest fatal error code.
         assert_eq!((first(&screen).as_deref(), screen.order), (Some("glider-4"), Order::Severity));
         press(&mut screen, &fleet, &[typed('s')]);
         assert_eq!((first(&screen).as_deref(), screen.order), (Some("glider-1"), Order::Battery));

@@ -14,7 +14,7 @@ use super::poller::Poller;
 /// The maximum time to connect.
 const CONNECT_LIMIT: Duration = Duration::from_secs(10);
 
-/// The connection counts as lost after this time without a message. This is long enough, because the client sends
+/// The time without a message after which the connection counts as lost. It is long enough, because the client sends
 /// requests every few seconds.
 const SILENCE_LIMIT: Duration = Duration::from_secs(15);
 
@@ -68,7 +68,7 @@ pub fn start(endpoint: Endpoint, access: Access, mut on_event: impl FnMut(Event)
     });
 }
 
-/// Exchanges messages until the connection ends, and returns the reason. `None` if `on_message` returned false.
+/// Exchanges messages until the connection ends, and returns the reason. Returns `None` if `on_message` returned false.
 fn run_connection(
     client: &mut dyn Client,
     mut poller: Poller,

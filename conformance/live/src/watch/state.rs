@@ -28,7 +28,7 @@ impl<T> Field<T> {
         value.map_or(Self::Invalid, Self::Known)
     }
 
-    /// Makes a value absent if it means "unknown".
+    /// Makes a value absent if it denotes an unknown value.
     fn unless(self, is_unknown: impl Fn(&T) -> bool) -> Self {
         match self {
             Self::Known(value) if is_unknown(&value) => Self::Absent,
@@ -68,12 +68,12 @@ pub struct State {
     pub timestamp: Field<i64>,
     /// The mode.
     pub mode: Field<String>,
-    /// Latitude and longitude in 1e-7 degrees, and the altitudes above mean sea level, the home position and the ground
-    /// in millimetres.
+    /// The latitude and the longitude, in 1e-7 degrees, and three altitudes, in millimetres: above mean sea level,
+    /// above the home position and above the ground.
     pub position: Field<[Field<i64>; 5]>,
     /// The position in local coordinates, in millimetres.
     pub position_xyz: Field<[Field<i64>; 3]>,
-    /// The kind of satellite fix from 0 to 7, the number of satellites, and the horizontal and vertical accuracy in
+    /// The kind of satellite fix, from 0 to 7, the number of satellites, and the horizontal and vertical accuracy, in
     /// millimetres.
     pub gps: Field<[Field<i64>; 4]>,
     /// The heading, in tenths of degrees.
@@ -151,7 +151,7 @@ fn list<'v, 't>(value: &'v Tree<'t>) -> Option<&'v [Tree<'t>]> {
     if let Tree::List(values) = value { Some(values) } else { None }
 }
 
-/// Reads an entry of a list. `null` means that the value is unknown.
+/// Reads an entry of a list. `null` denotes an unknown value.
 fn entry(values: &[Tree<'_>], index: usize) -> Field<i64> {
     values.get(index).filter(|value| **value != Tree::Null).map_or(Field::Absent, integer)
 }

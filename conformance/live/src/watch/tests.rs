@@ -1,6 +1,6 @@
 //! Tests of sessions with servers over all transports, including servers that disconnect or flood the client.
 //!
-//! No test depends on speed: timeouts are long.
+//! No test depends on speed: all timeouts are long.
 
 use std::io::{self, BufWriter, Write as _};
 use std::net::TcpListener;
@@ -33,7 +33,7 @@ const TRANSPORTS: [(Transport, &str); 5] = [
 struct Watched {
     fleet: Fleet,
     events: Receiver<Event>,
-    /// The number of notifications and the number of responses that contained states.
+    /// The number of notifications with states, and the number of responses with states.
     reported: [usize; 2],
 }
 
@@ -129,7 +129,7 @@ fn reconnects_to_a_restarted_server() {
     watched.until("the connection is lost", |watched| matches!(watched.fleet.link, Link::Lost { .. }));
     assert_eq!(watched.fleet.len(), 5, "known UAVs remain");
     let options = Options { uavs: 2, ..Options::default() };
-    // The port may be in use for a moment.
+    // The port may still be in use for a moment.
     let start = || Server::start(options.clone(), &[(Transport::Tcp, address)]).ok();
     let _server = wait_for("the port is free", start);
     watched.until("the new fleet is known", |watched| watched.ids() == ["glider-1", "glider-2"]);
@@ -184,7 +184,7 @@ fn survives_a_flood_of_messages() {
             2 => writeln!(stream, r#"{{"body":{{"type":"UAV-INF","status":[[[[{number}"#),
             _ => writeln!(stream, "\u{1b}[2J{number}"),
         });
-        // If requests are unread when the connection closes, data in transit is lost.
+        // If the connection is closed while there are unread requests, data in transit is lost.
         let _ = sent.and_then(|()| stream.flush()).and_then(|()| io::copy(&mut received, &mut io::sink()));
     });
     let mut watched = Watched::new(&format!("tcp://{address}"));

@@ -1,4 +1,4 @@
-//! The known state of a PX4 vehicle, as far as it explains why the vehicle can't arm. This module does no input or
+//! The known state of a PX4 vehicle, limited to what explains why the vehicle can't arm. This module does no input or
 //! output, so the same messages result in the same state.
 //!
 //! ```text
@@ -7,7 +7,7 @@
 //!                                                playback: pause, speed
 //! ```
 //!
-//! Vehicles are not trusted: all numbers of items are limited, and all text is escaped before it is shown.
+//! Vehicles aren't trusted: all counts are limited, and all text is escaped before it is shown.
 
 mod battery;
 mod components;
@@ -51,7 +51,7 @@ pub(crate) const TOPICS: [&str; 8] = [
     "event",
 ];
 
-/// The definitions of a message, with their texts.
+/// The definition of a message, and the texts that describe its values.
 #[derive(Clone, Copy)]
 pub(crate) struct Meaning<'m> {
     /// The definition of the message.
@@ -71,7 +71,7 @@ pub struct Vehicle {
     pub status: Status,
     /// The failsafe flags.
     pub flags: Flags,
-    /// The batteries, by number or instance.
+    /// The batteries, by battery number or topic instance.
     pub batteries: BTreeMap<i128, Battery>,
     /// The external components.
     pub components: Components,
@@ -85,11 +85,12 @@ pub struct Vehicle {
     pub messages: u64,
     /// The time of the latest message, in µs.
     pub latest: Option<u64>,
-    /// A topic that several channels carry: the messages of several vehicles can't be distinguished.
+    /// A topic that several channels carry, if there is one. The messages then come from several vehicles, which can't
+    /// be distinguished.
     pub ambiguous: Option<&'static str>,
     /// The topics of the display whose release is unknown.
     pub undecided: BTreeSet<&'static str>,
-    /// The number of messages that can't be read, on the topics of the display.
+    /// The number of unreadable messages on the display's topics.
     pub unreadable: u64,
     rate: Rate,
     /// The time of the first message.
@@ -108,7 +109,7 @@ pub struct Status {
     pub arming_state: Option<Part>,
     /// True if a failsafe is active.
     pub is_failsafe: Option<bool>,
-    /// True if the checks before the flight pass.
+    /// True if the preflight checks have passed.
     pub has_passed_checks: Option<bool>,
 }
 
@@ -136,7 +137,7 @@ impl Vehicle {
         self.undecided.extend(topic_name(channel, definitions).filter(|topic| TOPICS.contains(topic)));
     }
 
-    /// Handles a new channel. Returns the display's interest in its messages.
+    /// Handles a new channel, and returns the display's interest in its messages.
     pub(crate) fn opened(&mut self, channel: &Channel<'_>, definitions: &Definitions) -> Interest {
         self.release = Some(definitions.name.as_str().into());
         if channel.index >= MAX_CHANNELS {
@@ -146,7 +147,7 @@ impl Vehicle {
         let count = self.channels.len().max(channel.index + 1);
         self.channels.resize(count, None);
         self.channels[channel.index] = None;
-        // Several instances of a topic belong to one vehicle.
+        // Several instances of a topic belong to the same vehicle.
         if let Some(topic) = topic.filter(|_| channel.multi_id.is_none()) {
             let is_known = self.channels.iter().flatten().any(|(known, _)| *known == topic);
             self.ambiguous = self.ambiguous.or(is_known.then_some(topic));
@@ -164,7 +165,7 @@ impl Vehicle {
         self.ambiguous = None;
     }
 
-    /// Takes a message. Returns true if the displayed state changes, apart from ages and rates.
+    /// Takes a message. Returns true if it changes the displayed state, apart from ages and rates.
     pub(crate) fn message(
         &mut self,
         channel: &Channel<'_>,
@@ -223,7 +224,7 @@ impl Vehicle {
         self.rate.count(self.elapsed(time));
     }
 
-    /// True if a topic of the display has a message.
+    /// True if a message has been received on one of the display's topics.
     pub fn has_state(&self) -> bool {
         let has_components = self.components.has_request || !self.components.all.is_empty();
         has_components
@@ -238,13 +239,13 @@ impl Vehicle {
         self.rate.per_second(self.elapsed(now))
     }
 
-    /// The time from the first message to a time.
+    /// The time from the first message to `now`.
     pub(crate) fn elapsed(&self, now: u64) -> Duration {
         self.first.map_or(Duration::ZERO, |first| age(first, now))
     }
 }
 
-/// The time since another time. Both are in µs.
+/// The time from `time` to `now`. Both are in µs.
 pub(crate) fn age(time: u64, now: u64) -> Duration {
     Duration::from_micros(now.saturating_sub(time))
 }

@@ -38,7 +38,7 @@ pub struct Scene<'s> {
 /// The minimum width for the medium layout.
 const MIDDLE_WIDTH: u16 = 80;
 
-/// The minimum height at which the table is followed by the error codes of the selected UAV.
+/// The minimum height at which the error codes of the selected UAV are shown below the table.
 const NOTED_HEIGHT: u16 = 16;
 
 /// The gap between columns of lines.
@@ -84,7 +84,7 @@ pub fn draw(frame: &mut Frame<'_>, scene: &Scene<'_>, screen: &mut Screen) {
     }
 }
 
-/// Draws the first lines and the last line of a screen. Returns the area between them.
+/// Draws the first lines and the last line of a screen, and returns the area between them.
 fn draw_frame(frame: &mut Frame<'_>, head: Vec<Ends<'_>>, foot: Ends<'_>) -> Rect {
     let head_height = u16::try_from(head.len()).unwrap_or(u16::MAX);
     let parts = [Constraint::Length(head_height), Constraint::Min(0), Constraint::Length(1)];
@@ -96,7 +96,7 @@ fn draw_frame(frame: &mut Frame<'_>, head: Vec<Ends<'_>>, foot: Ends<'_>) -> Rec
     middle
 }
 
-/// Draws the visible lines of columns with the same width.
+/// Draws the visible lines of columns that have the same width.
 fn draw_columns(frame: &mut Frame<'_>, columns: Vec<Vec<Line<'_>>>, pages: &mut Pages, area: Rect) {
     pages.height = usize::from(area.height);
     let longest = columns.iter().map(Vec::len).max().unwrap_or_default();
@@ -137,7 +137,7 @@ fn draw_note(frame: &mut Frame<'_>, scene: &Scene<'_>, id: &str, uav: &Uav, area
     }
 }
 
-/// A line with text at both ends. The right end has precedence if there is not enough space.
+/// A line with text at both ends. If there isn't enough space, the right end takes precedence.
 struct Ends<'l> {
     left: Line<'l>,
     right: Line<'l>,

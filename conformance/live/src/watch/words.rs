@@ -20,7 +20,7 @@ mod tests {
         #[test]
         fn truncated_text_is_short_and_harmless(text in any::<String>(), times in 1..50_usize) {
             let truncated = truncated(&text.repeat(times));
-            // An escape has at most ten characters.
+            // An escape sequence has at most ten characters.
             prop_assert!(truncated.chars().count() <= TEXT_LIMIT * 10 + 1);
             prop_assert!(!truncated.chars().any(char::is_control), "{truncated:?}");
         }

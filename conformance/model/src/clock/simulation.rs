@@ -6,10 +6,10 @@ use std::time::{Duration, Instant};
 
 use super::LONG;
 
-/// The start of simulated time since 1970.
+/// The time since 1970 at which simulated time starts.
 const START: Duration = Duration::from_secs(1_790_000_000);
 
-/// A thread that waits by simulated time. It leaves the simulation when dropped.
+/// A thread that takes part in a simulation. It leaves the simulation when dropped.
 #[derive(Debug)]
 pub(super) struct Participant {
     simulation: Arc<Simulation>,
@@ -35,12 +35,12 @@ struct State {
 #[derive(Debug)]
 struct Waiting {
     until: Instant,
-    /// True if the thread found nothing to do since another thread did something.
+    /// True if the thread has found nothing to do since another thread last did something.
     is_idle: bool,
 }
 
 impl State {
-    /// Gives the turn to a thread that may have something to do, or otherwise to the thread with the earliest time.
+    /// Gives the turn to a thread that may have something to do, or otherwise to the thread whose wait ends first.
     fn pass(&mut self) {
         let busy = self.waiting.iter().find(|(_, waiting)| !waiting.is_idle);
         let next = busy.or_else(|| self.waiting.iter().min_by_key(|(id, waiting)| (waiting.until, **id)));
@@ -54,7 +54,7 @@ impl State {
 }
 
 impl Participant {
-    /// The first thread of a simulation. It has the turn.
+    /// Creates a simulation, and returns its first thread, which has the turn.
     #[allow(clippy::disallowed_methods, reason = "only the differences of times count")]
     pub(super) fn first() -> Self {
         let start = Instant::now();
@@ -63,7 +63,7 @@ impl Participant {
         Self { simulation: Arc::new(simulation), id: 0 }
     }
 
-    /// Another thread. It waits for its turn.
+    /// Adds another thread to the simulation. It waits for its turn.
     pub(super) fn another(&self) -> Self {
         let mut state = self.state();
         let id = state.next_id;
@@ -106,17 +106,17 @@ impl Participant {
         drop(state);
     }
 
-    /// Waits until another thread has left.
+    /// Waits until another thread has left the simulation.
     pub(super) fn await_end(&self, id: usize) {
         let is_over = || (!self.state().waiting.contains_key(&id)).then_some(());
         while self.wait(self.now() + LONG, is_over).is_none() {}
     }
 
-    /// Lets the other threads continue without this one.
+    /// Removes this thread from the simulation, so that the other threads continue without it.
     pub(super) fn leave(&self) {
         let mut state = self.state();
         state.waiting.remove(&self.id);
-        // The last actions of this thread may concern the others.
+        // The last actions of this thread may have given the others something to do.
         state.waiting.values_mut().for_each(|waiting| waiting.is_idle = false);
         drop(state);
         self.give_turn(None);

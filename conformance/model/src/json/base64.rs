@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use data_encoding::{BASE64, BASE64_NOPAD, Encoding};
 
-/// Digits without padding. Bits that no byte uses may have any value.
+/// Base64 without padding. When decoding, the unused bits of the last digit may have any value.
 static DIGITS: LazyLock<Encoding> = LazyLock::new(|| {
     let mut form = BASE64_NOPAD.specification();
     form.check_trailing_bits = false;

@@ -7,7 +7,7 @@ use super::Tree;
 /// The members that are shown next to the field, because they identify a message.
 const IDENTIFYING: [&str; 4] = ["type", "id", "refs", "body"];
 
-/// The maximum depth of the identifying members: a message and its body contain them.
+/// The maximum depth at which identifying members are shown. They appear in a message and in its body.
 const MAX_DEPTH: usize = 2;
 
 impl Tree<'_> {
@@ -22,7 +22,7 @@ impl Tree<'_> {
     }
 }
 
-/// Writes a value. `keys` leads to the field, or is `None` next to the path.
+/// Writes a value. `keys` is the remaining path to the field, or `None` if the value isn't on this path.
 fn write(value: &Tree<'_>, keys: Option<&[String]>, depth: usize, text: &mut String) {
     let next = keys.and_then(<[String]>::split_first);
     if keys.is_some_and(<[String]>::is_empty) && depth > 0 {

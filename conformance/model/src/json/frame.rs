@@ -82,7 +82,7 @@ impl Frame {
         }
     }
 
-    /// True if there was only whitespace so far.
+    /// True if all bytes so far were whitespace.
     pub fn is_fresh(&self) -> bool {
         self.state == State::Fresh
     }

@@ -441,15 +441,15 @@ pub fn leading_integer(text: &[u8]) -> Option<(i64, usize)> {
     Some((value, length + usize::from(is_negative)))
 }
 
-/// True for the bytes of numbers.
+/// True for bytes that may appear in a number.
 fn is_part(byte: u8) -> bool {
     matches!(byte, b'-' | b'+' | b'.' | b'0'..=b'9' | b'e' | b'E')
 }
 
-/// The decimal number that consists of an integer and the fraction at the start of a text, and the length of that fraction.
-/// `None` if the general parser must read the number, for example because of an exponent or too many digits. The number is
-/// the quotient of the integer of all digits and a power of ten. Both are exact in 64 bits, so the quotient is correctly
-/// rounded.
+/// Parses a decimal number: `whole` is its integer part, and its fraction is at the start of `text`. Returns the number
+/// and the length of the fraction. `None` if the general parser must read the number, for example because of an
+/// exponent or too many digits. The number is the quotient of the integer of all digits and a power of ten. Both are
+/// exact in 64 bits, so the quotient is correctly rounded.
 fn short_decimal(whole: i64, text: &[u8]) -> Option<(f64, usize)> {
     let fraction = text.strip_prefix(b".")?;
     let (mut digits, mut power, mut places) = (whole.unsigned_abs(), 1_u64, 0);

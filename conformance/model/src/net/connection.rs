@@ -57,7 +57,7 @@ impl Connection {
         }
     }
 
-    /// Another handle to the connection. One handle can then read while the other writes.
+    /// Creates another handle to the connection, so that one handle can read while the other writes.
     pub fn stream(&self) -> io::Result<TcpStream> {
         self.0.try_clone()
     }

@@ -7,7 +7,7 @@ pub fn open_files() -> Option<u64> {
     getrlimit(Resource::RLIMIT_NOFILE).ok().map(|(soft, _)| soft)
 }
 
-/// The number of files that the process may open. This system has no such limit.
+/// Returns `None`, because this system doesn't limit the number of open files.
 #[cfg(not(unix))]
 pub fn open_files() -> Option<u64> {
     None
@@ -25,7 +25,7 @@ pub fn raise_open_files(wanted: u64) {
     }
 }
 
-/// Raises the number of files that the process may open. This system has no such limit.
+/// Does nothing, because this system doesn't limit the number of open files.
 #[cfg(not(unix))]
 pub fn raise_open_files(_: u64) {}
 

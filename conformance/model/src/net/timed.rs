@@ -41,7 +41,7 @@ impl Read for Timed {
 impl Write for Timed {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let timed_out =
-            || io::Error::new(io::ErrorKind::TimedOut, "timed out: the server doesn't read what it receives");
+            || io::Error::new(io::ErrorKind::TimedOut, "timed out: the server doesn't read the sent data");
         let left = Clock::real().left(self.until);
         if left.is_zero() {
             return Err(timed_out());

@@ -65,7 +65,8 @@ pub fn without_login(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// The words of a command line without passwords and the queries of objects. Other queries are options, such as `?domain=5`.
+/// The words of a command line, without passwords and without the queries of object URLs. Other queries are kept,
+/// because they are options such as `?domain=5`.
 pub fn shown_words(words: impl Iterator<Item = String>) -> Vec<String> {
     let (option, value) = LOGIN;
     let mut is_login = false;

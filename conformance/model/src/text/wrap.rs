@@ -4,7 +4,7 @@
 const WIDTH: usize = 80;
 
 /// Wraps a line at spaces. Each further line is indented by this many spaces. The first line starts after `offset`
-/// columns. Spaces at the start of the text and several consecutive spaces are kept within a line.
+/// columns. Within a line, leading spaces and runs of several spaces are kept.
 pub fn wrapped(text: &str, offset: usize, indent: usize) -> String {
     let (mut lines, mut column, mut is_first) = (String::new(), offset, true);
     for word in text.split(' ') {

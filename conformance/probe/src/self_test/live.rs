@@ -16,31 +16,31 @@ use uavspec_serve::{InMemory, Server, Transport};
 use super::Found;
 use crate::{Probed, probe, probe_on};
 
-/// The number of servers that are probed concurrently. Most of the time is spent waiting. More servers would keep two cores
-/// busy, so answers would be late.
+/// The number of servers that are probed concurrently. Probes mostly wait. More servers would keep two cores busy, so
+/// that answers would be late.
 const JOBS: usize = 24;
 
-/// The number of probes of a server before its result counts as wrong. On a busy machine, answers are late, and a server
-/// reads several requests together.
+/// The number of attempts to probe a server before its result counts as wrong. On a busy machine, answers are late, and
+/// a server may read several requests together.
 const TRIES: u32 = 3;
 
-/// The observation time of each server.
+/// The time for which each server is observed.
 const OBSERVE: Duration = Duration::from_millis(1_500);
 
-/// The time that a request may stay unanswered. A local server answers within milliseconds.
+/// The time for which a request may remain unanswered. A local server answers within milliseconds.
 const TIMEOUT: Duration = Duration::from_secs(2);
 
-/// The time limit for making UAVs safe. The simulated UAVs land within seconds, unless a bug prevents that.
+/// The time limit for making UAVs safe. Simulated UAVs land within seconds, unless a bug prevents it.
 const LANDING_LIMIT: Duration = Duration::from_secs(10);
 
-/// The time limit for operations. The simulated operations progress within a tenth of it.
+/// The time limit for operations. Simulated operations progress within a tenth of this time.
 const PROGRESS_TIMEOUT: Duration = Duration::from_secs(3);
 
-/// The time from the first connection to the loss of a UAV.
+/// The time from the first connection until a UAV is lost.
 const LOSS: Duration = Duration::from_millis(700);
 
-/// The maximum duration of a connection, for servers that send a farewell. This limit is longer than any trial on a
-/// separate connection.
+/// The maximum duration of a connection to a server that sends a farewell. It is longer than any trial on a separate
+/// connection.
 const FAREWELL_DELAY: Duration = Duration::from_secs(2);
 
 /// The simulation speed. `10` means ten times real time.
@@ -91,7 +91,7 @@ pub struct Row {
 }
 
 impl Case {
-    /// True if the server needs no socket. In simulated time, its probe takes no real time.
+    /// True if the server needs no socket. In simulated time, its probe then takes no real time.
     fn is_in_memory(&self) -> bool {
         self.bug.is_some_and(|rule| rule.bug.needs != Needs::Tcp) && self.transport == Transport::Tcp
     }
@@ -190,7 +190,7 @@ fn row(case: &Case, definitions: &Definitions) -> io::Result<Row> {
 
 /// The options of the probe of a server.
 fn probe_options(case: &Case) -> crate::Options {
-    // Over HTTP, clients do not receive the results of commands.
+    // Over HTTP, clients don't receive the results of commands.
     let uavs = if case.transport == Transport::Http { &[][..] } else { &UAVS[..] };
     let login = case.has_login.then(|| (LOGIN.0.to_owned(), LOGIN.1.to_owned()));
     let uavs = uavs.iter().map(|id| (*id).to_owned()).collect();
@@ -205,7 +205,7 @@ fn probe_options(case: &Case) -> crate::Options {
     options
 }
 
-/// Probes a server, and checks the recording.
+/// Probes a server, and checks the recording of the probe.
 fn found(
     case: &Case,
     definitions: &Definitions,

@@ -1,7 +1,7 @@
 //! Probes the reference autopilot and the reference component without bugs, and with each bug.
 //!
-//! By default, the participants communicate within this process, in simulated time. They can also use real buses, one pair
-//! of participants on each bus at a time.
+//! By default, the participants communicate within this process, in simulated time. They can also use real buses, with
+//! one pair of participants at a time on each bus.
 
 use std::collections::BTreeSet;
 use std::net::{IpAddr, Ipv4Addr};
@@ -25,10 +25,10 @@ use uavspec_rules::px4::{Bug, Needs, Px4Rule, RULES, Side};
 
 use super::Found;
 
-/// The simulated time of each probe within the process.
+/// The simulated duration of each probe within the process.
 const TIME: Duration = Duration::from_millis(6_500);
 
-/// The time of each probe over a bus, including discovery.
+/// The duration of each probe over a bus, including discovery.
 const BUS_TIME: Duration = Duration::from_secs(10);
 
 /// The time between the starts of two participants.
@@ -37,10 +37,10 @@ const PAUSE: Duration = Duration::from_millis(150);
 /// The time in which the participants of a bus are discovered.
 const DISCOVERY_TIME: Duration = Duration::from_secs(3);
 
-/// The peers in a DDS domain: the participants communicate on this computer only.
+/// The peers in a DDS domain. They limit the communication to this computer.
 const PEERS: [IpAddr; 1] = [IpAddr::V4(Ipv4Addr::LOCALHOST)];
 
-/// The rules that participants without a bug cover.
+/// The rules that are covered by participants without a bug.
 const COVERED: [&str; 8] =
     ["PX-EVT-02", "PX-EVT-03", "PX-EXT-01", "PX-EXT-02", "PX-EXT-03", "PX-EXT-05", "PX-EXT-06", "PX-TIME-01"];
 
@@ -87,7 +87,8 @@ pub fn cases() -> Vec<Case> {
     [AUTOPILOT, COMPONENT, BOTH].into_iter().chain(RULES.into_iter().filter_map(Case::with_bug)).collect()
 }
 
-/// The missing property without which a bus can't show a bug, with an example of a bus that has it.
+/// The property that a bus lacks and that is needed to show a bug, with an example of a bus that has it. `None` if the
+/// bus has all properties.
 pub fn missing(needs: Needs, address: &Address) -> Option<&'static str> {
     match needs {
         Needs::TypeHashes if address.is_dds() => {
@@ -123,7 +124,7 @@ impl Case {
         }
     }
 
-    /// The property without which one of the buses can't show the bug.
+    /// The property that one of the buses lacks and that is needed to show the bug.
     pub fn missing(&self, buses: &[Address]) -> Option<&'static str> {
         let bug = self.bug()?;
         buses.iter().find_map(|address| missing(bug.needs, address))
@@ -164,7 +165,7 @@ impl Case {
         record: &Path,
     ) -> io::Result<(Checked, Option<String>)> {
         let is_over = AtomicBool::new(false);
-        // A component compares its definitions with the flight controller's definitions.
+        // A component compares its definitions with those of the flight controller.
         let is_component = self.role == Some(Side::Component);
         let options = Options {
             role: self.role,
@@ -238,7 +239,7 @@ impl Row {
 /// Checks that a bus can be reached, and that no vehicle uses it.
 ///
 /// # Errors
-/// The text describes the problem.
+/// The error describes the problem.
 pub fn check_bus(address: &Address) -> Result<(), String> {
     let mut bus = bus::connect(address, &PEERS, &[])?;
     let end = bus.clock().now() + DISCOVERY_TIME;

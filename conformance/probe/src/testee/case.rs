@@ -12,12 +12,12 @@ use uavspec_schema::{Element, Shape};
 use super::protocol::{Format, Hello, Op};
 use super::wire::{FLOAT, to_base64, to_wire};
 
-/// Rules that concern the payload as a whole. A payload that violates one of these rules can't be decoded. If a payload
+/// The rules about the payload as a whole. If a payload violates one of them, it can't be decoded. If a payload
 /// violates another rule, for example because a `bool` is 153, a codec may reject it or decode it leniently.
 static PAYLOAD_RULES: [&Px4Rule; 3] = [&px4::DATA_01, &px4::CDR_01, &px4::CDR_02];
 
-/// A number whose encoding has no byte in common with the encoding of NaN, both as a `float32` and as a `float64`. If
-/// NaN is replaced with this number in a message, exactly the bytes of the float change.
+/// A number whose encoding has no byte in common with the encoding of NaN, neither as a `float32` nor as a `float64`.
+/// If it replaces NaN in a message, exactly the bytes of the float change.
 pub(super) const UNLIKE_NAN: f64 = 1.1;
 
 /// The offset of the second options byte in the encapsulation header of a CDR payload.
@@ -69,7 +69,7 @@ pub enum Input {
 pub struct Expected {
     /// The accepted values of `ok`.
     pub ok: ExpectedResponse,
-    /// True if the testee may reject the input.
+    /// True if the testee may also reject the input.
     pub rejection: bool,
 }
 
@@ -155,7 +155,7 @@ impl Expected {
 pub fn cases(definitions: &Definitions, types: &Types) -> Vec<Case> {
     let files = vectors::emit(&definitions.schema, &vectors::Options::default());
     let files = files.iter().filter(|file| file.path.ends_with(".vectors.json"));
-    // The emitter writes valid JSON. A file that can't be parsed would have no cases.
+    // The emitter writes valid JSON. If a file couldn't be parsed, it would have no cases.
     files
         .filter_map(|file| serde_json::from_str(&file.text).ok())
         .flat_map(|file| cases_in_file(&file, types))
@@ -207,7 +207,7 @@ impl CaseBuilder<'_, '_> {
         cases
     }
 
-    /// Adds a case that decodes an event, for each profile whose texts differ from the previous profile.
+    /// Adds cases that decode an event: one for each profile whose texts differ from those of the previous profile.
     fn add_event(&self, vector: &Value, arguments: &[u8], cases: &mut Vec<Case>) {
         let texts = vector["texts"].as_object();
         let mut previous = None;
@@ -249,8 +249,8 @@ impl CaseBuilder<'_, '_> {
             if let (Some(json), Some(message)) = (json, self.message) {
                 let input = Input::Value(to_wire(json, Some(message)));
                 let expected = bytes.as_ref().map(|bytes| self.encoded(rule, format, bytes));
-                // An invalid value has no bytes. If valid messages have no bytes in this format either, there is no
-                // case.
+                // An invalid value has no bytes. If valid messages have no bytes in this format either, no case is
+                // added.
                 let expected = expected
                     .or_else(|| (rule.is_some() && self.supports(format)).then_some(Expected::REJECTED));
                 cases.extend(
@@ -280,8 +280,8 @@ impl CaseBuilder<'_, '_> {
         }
     }
 
-    /// Adds cases that decode an infinity in the first field of each float type. JSON can't represent infinities.
-    /// Therefore, no vector contains an infinity, and a codec may reject it.
+    /// Adds cases that decode an infinity in the first field of each float type. JSON can't represent infinities, so no
+    /// vector contains one, and a codec may reject it.
     fn add_infinities(&self, file: &Value, cases: &mut Vec<Case>) {
         let mut vectors = file["cases"].as_array().into_iter().flatten();
         let zero = vectors.find(|vector| vector["id"] == "zero").and_then(|zero| zero["json"].as_object());
@@ -350,8 +350,8 @@ impl CaseBuilder<'_, '_> {
         Expected { ok: ExpectedResponse::Bytes(right), rejection: rule.is_some() }
     }
 
-    /// The expected result of decoding. Some vectors contain only bytes, because encoders never write these bytes. Then
-    /// the codec may read what a lenient codec reads.
+    /// The expected result of decoding. Some vectors contain only bytes, because encoders never write these bytes. A
+    /// codec may then return the same result as a lenient codec.
     fn decoded(&self, rule: Option<&str>, format: Format, bytes: &[u8], wanted: Option<&Value>) -> Expected {
         if rule.is_some_and(|id| PAYLOAD_RULES.iter().any(|known| known.rule.id == id)) {
             return Expected::REJECTED;
@@ -359,7 +359,7 @@ impl CaseBuilder<'_, '_> {
         let read = || decode(self.message?, format, bytes)?.to_json().ok();
         let want = match wanted.cloned().or_else(read) {
             Some(message) => ExpectedResponse::Message(message),
-            // The message has no JSON form, for example because a text isn't UTF-8.
+            // The message can't be represented in JSON, for example because a text isn't UTF-8.
             None => ExpectedResponse::Anything,
         };
         if rule.is_some() { Expected::either(want) } else { Expected::ok(want) }
@@ -380,7 +380,7 @@ impl CaseBuilder<'_, '_> {
     }
 }
 
-/// Encodes a message, in little-endian order; `None` if it has no such form.
+/// Encodes a message in little-endian order. Returns `None` if it can't be encoded in this format.
 pub(super) fn encode(message: MessageType<'_>, format: Format, json: &Value) -> Option<Vec<u8>> {
     let message = message.from_json(json).ok()?;
     match format {
@@ -401,8 +401,8 @@ pub(super) fn decode<'t>(
     }
 }
 
-/// Encodes a message in which the bytes of a float are replaced. In the two JSON messages, this float is NaN and
-/// [`UNLIKE_NAN`].
+/// Encodes a message in which the bytes of a float are replaced by `float`. In the two JSON messages, this float is NaN
+/// and [`UNLIKE_NAN`].
 fn with_float(
     message: MessageType<'_>,
     format: Format,
@@ -415,7 +415,7 @@ fn with_float(
     Some(payload)
 }
 
-/// The other valid forms of a CDR payload whose length is not a multiple of four: with padding bytes at its end, with
+/// The other valid forms of a CDR payload whose length isn't a multiple of four: with padding bytes at the end, with
 /// their number in the two low bits of the header's options (DDS-XTypes 1.3, section 7.6.3.1.2), or with both.
 fn padded_cdr(bytes: &[u8]) -> Vec<Vec<u8>> {
     let length = bytes.len().next_multiple_of(4);
@@ -432,8 +432,8 @@ fn padded_cdr(bytes: &[u8]) -> Vec<Vec<u8>> {
     vec![padded(bytes), padded(&counted), counted]
 }
 
-/// True if parsing changed a number in the vector. Some integers below the smallest `int64` are parsed as floats and
-/// rounded to exactly the smallest `int64`. Some testees read these floats as integers.
+/// True if parsing changed a number in the vector. Some integers below the smallest `int64` are parsed as floats, and
+/// are rounded to exactly the smallest `int64`. Some testees read these floats as integers.
 #[allow(clippy::float_cmp, clippy::cast_precision_loss)] // an exact comparison is intended
 fn is_lossy(value: &Value) -> bool {
     match value {
@@ -501,7 +501,7 @@ pub(crate) mod tests {
             (&3.into(), &"decode".into(), &"uorb".into())
         );
         for format in ["uorb", "cdr"] {
-            // A codec that doesn't reject such a `bool` must read it as true.
+            // If a codec doesn't reject such a `bool`, it must read it as true.
             let expected = &find(&format!("decode-{format}/px4/BatteryStatus/connected-byte-153")).expected;
             let ExpectedResponse::Message(message) = &expected.ok else { panic!("{expected:?}") };
             assert!(expected.rejection && message["connected"] == true, "{message}");

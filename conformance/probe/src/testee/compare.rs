@@ -15,7 +15,7 @@ use super::case::{Case, ExpectedResponse, Input, UNLIKE_NAN, decode, encode};
 use super::protocol::{Op, Response};
 use super::wire::{float, from_base64, from_wire, integer};
 
-/// The maximum number of characters of a value in a message.
+/// The maximum number of characters of a value that a message shows.
 const MAX_SHOWN: usize = 400;
 
 /// A difference between a response and the expected response.
@@ -113,7 +113,7 @@ fn has_other_nans(case: &Case, right: &[Vec<u8>], actual: &Value, types: &Types)
         return false;
     };
     let wanted = from_wire(value);
-    // These two encodings differ in all bytes of the NaNs, and in no others.
+    // These two encodings differ in all bytes of the NaNs, and in no other bytes.
     let Some((plain, marked)) = right.first().zip(encode(message, format, &without_nans(&wanted))) else {
         return false;
     };
@@ -129,7 +129,7 @@ fn has_other_nans(case: &Case, right: &[Vec<u8>], actual: &Value, types: &Types)
     right.iter().any(is_right) && is_same()
 }
 
-/// Replaces each NaN in a message. In messages that can be encoded, only NaN is null.
+/// Replaces each NaN in a message. In encodable messages, null always means NaN.
 fn without_nans(value: &Value) -> Value {
     match value {
         Value::Null => UNLIKE_NAN.into(),
@@ -197,7 +197,7 @@ fn compare_json(wanted: &Value, actual: &Value, path: &str) -> Result<(), Differ
             compare_json(wanted, actual, path)
         }),
         Value::Number(_) if integer(wanted).is_some() && integer(wanted) == integer(actual) => Ok(()),
-        // The only floats outside of messages are arguments of events, and these are float32.
+        // Outside of messages, the only floats are the arguments of events, which are float32.
         Value::Number(number) if number.is_f64() => compare_float(Scalar::Float32, wanted, actual, path),
         _ if wanted == actual => Ok(()),
         _ => Err(Difference::new(path, wanted, actual)),
@@ -302,12 +302,12 @@ mod tests {
         assert!(!compare("connected", json!(true), json!("true")));
     }
 
-    /// True if these bytes are a right response to a case.
+    /// True if these bytes are a correct response to a case.
     fn accepts(case: &Case, bytes: &[u8], types: &Types) -> bool {
         compare(case, &Response::Ok(to_base64(bytes).into()), types).is_ok()
     }
 
-    /// Copies bytes, and replaces some of them.
+    /// Copies bytes, and replaces those that start at `at`.
     fn replaced(bytes: &[u8], at: usize, part: &[u8]) -> Vec<u8> {
         let mut bytes = bytes.to_vec();
         bytes[at..at + part.len()].copy_from_slice(part);

@@ -28,8 +28,8 @@ pub fn dump(cases: &[Case], selected: &[usize], types: &Types, output: &mut dyn 
     output.flush()
 }
 
-/// The expected responses. `ok` lists the accepted values. Without `ok`, any value is accepted if `accepted` is true.
-/// In responses to `encode`, a NaN may have other bits.
+/// The expected responses. `ok` lists the accepted values. If there is no `ok` and `accepted` is true, any value is
+/// accepted. In responses to `encode`, a NaN may have other bits.
 fn expected(case: &Case, types: &Types) -> Value {
     let is_accepted = case.expected.ok != ExpectedResponse::Nothing;
     let mut expected = json!({ "rejected": case.expected.rejection, "accepted": is_accepted });
@@ -46,9 +46,9 @@ fn expected(case: &Case, types: &Types) -> Value {
     expected
 }
 
-/// Checks the responses in a file, one per line. The maximum line length is the same as for a process. If the file
-/// contains a hello, supported cases without a response count as not run. Otherwise, all cases without a response count
-/// as unsupported.
+/// Checks the responses in a file, one per line. The maximum line length is the same as for a process. Cases without a
+/// response count as unsupported. If the file contains a hello, those that the testee supports count as not run
+/// instead.
 pub fn replay<'c>(
     cases: &'c [Case],
     selected: &[usize],

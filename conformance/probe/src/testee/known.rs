@@ -9,7 +9,7 @@ use uavspec_lint::baseline::{Lists, Name, Outcome};
 use super::case::Case;
 use super::outcome::{Outcome as Run, Verdict};
 
-/// The outcome of each case in `names`, which contains all cases. Cases without a verdict in `run` were not run.
+/// The outcomes of the cases in `names`, which contains all cases. Cases without a verdict in `run` were not run.
 pub fn case_outcomes<'r>(names: &'r [(&'r Case, String)], run: &Run<'r>) -> Vec<(Name<'r>, Outcome)> {
     let requested: BTreeMap<*const Case, &Verdict> =
         run.verdicts.iter().map(|(case, verdict)| (ptr::from_ref(*case), verdict)).collect();
@@ -25,7 +25,7 @@ pub fn case_outcomes<'r>(names: &'r [(&'r Case, String)], run: &Run<'r>) -> Vec<
     checked.collect()
 }
 
-/// Marks failures as known if an entry covers them.
+/// Marks failures as known if an entry of a baseline covers them.
 pub fn excuse_cases(lists: &mut Lists, run: &mut Run<'_>) {
     for (case, verdict) in run.verdicts.iter_mut().filter(|(_, verdict)| verdict.is_failure()) {
         let messages = [verdict.to_string()];

@@ -1,7 +1,7 @@
 //! A connection to a testee, over the pipes of a child process or over TCP. No call here blocks longer than its time
 //! limit.
 //!
-//! One thread reads from the testee. Another thread writes to the testee, since the testee may stop reading. The
+//! One thread reads from the testee. Another thread writes to the testee, because the testee may stop reading. The
 //! threads end when the pipes or the connection are closed. Nothing waits for them.
 
 use std::io::{self, BufRead, BufReader, Read, Write};
@@ -21,8 +21,8 @@ use super::process::Process;
 use super::protocol::Hello;
 use super::target::Target;
 
-/// The maximum number of queued lines. Each line may be as long as the line limit. If the queue is full, the testee has
-/// to wait.
+/// The maximum number of queued lines. Each line may be as long as the line limit. If the queue is full, the testee
+/// must wait.
 const MAX_QUEUED_LINES: usize = 2;
 
 /// The interval between checks of whether a silent process has ended.
@@ -39,7 +39,7 @@ pub(super) enum Received {
     Closed,
     /// A connection error.
     Lost(String),
-    /// No data before the time limit.
+    /// No data arrived before the time limit.
     Nothing,
 }
 
@@ -79,8 +79,8 @@ impl Link {
                 let connected =
                     Connection::open_again(address, limits, &options.clock).and_then(|connection| {
                         let (input, output) = (connection.stream()?, connection.stream()?);
-                        // Dropping this handle isn't enough, since other handles keep the socket open. An error only
-                        // means that the socket is already disconnected.
+                        // Dropping this handle isn't sufficient, because other handles keep the socket open. An error
+                        // only means that the socket is already disconnected.
                         let close = |input: TcpStream| _ = input.shutdown(Shutdown::Write);
                         thread::spawn(move || write(input, &requests, close));
                         thread::spawn(move || read(output, &lines, limit));
@@ -113,8 +113,8 @@ impl Link {
         Err(wrong + &remaining_stderr(&self.kill()))
     }
 
-    /// Queues a line to be sent. A failure to send is ignored here: it means that the testee has ended, which `receive`
-    /// reports.
+    /// Queues a line to be sent. A failure to send is ignored, because it means that the testee has ended, which
+    /// `receive` reports.
     pub(super) fn send(&self, line: String) {
         self.send_bytes((line + "\n").into_bytes());
     }
@@ -126,7 +126,7 @@ impl Link {
         }
     }
 
-    /// Closes the input of the testee after everything queued has been sent.
+    /// Closes the input of the testee after all queued data has been sent.
     pub(super) fn close(&mut self) {
         self.to = None;
     }
@@ -154,7 +154,7 @@ impl Link {
         }
     }
 
-    /// Describes how the testee exited after closing its output.
+    /// Describes how the testee exited after it had closed its output.
     pub(super) fn ending(&mut self, until: Instant) -> String {
         match &mut self.peer {
             Peer::Process(process) => match process.await_end(until, &self.clock) {
@@ -168,7 +168,7 @@ impl Link {
         }
     }
 
-    /// Closes the input, passes on the remaining lines, and returns an error if the testee doesn't end properly.
+    /// Closes the input, and passes on the remaining lines. Fails if the testee doesn't end properly.
     pub(super) fn finish(&mut self, within: Duration, mut receive: impl FnMut(&[u8])) -> Result<(), String> {
         self.close();
         let until = self.clock.now() + within;
@@ -194,7 +194,7 @@ impl Link {
         }
     }
 
-    /// Kills the process and returns the last part of its standard error, or closes the connection.
+    /// Kills the process, or closes the connection. Returns the last part of the process's standard error.
     pub(super) fn kill(&mut self) -> String {
         match &mut self.peer {
             Peer::Process(process) => process.kill(),
@@ -208,7 +208,7 @@ impl Link {
     }
 }
 
-/// Help for a connection that can't be opened.
+/// Advice for a connection that can't be opened.
 fn advice(error: &io::Error) -> &'static str {
     match error.kind() {
         io::ErrorKind::ConnectionRefused => {
@@ -221,7 +221,7 @@ fn advice(error: &io::Error) -> &'static str {
     }
 }
 
-/// The end of standard error, formatted to be appended to an error message.
+/// The end of standard error, formatted for the end of an error message.
 pub(super) fn remaining_stderr(stderr: &str) -> String {
     if stderr.is_empty() {
         String::new()
@@ -230,7 +230,7 @@ pub(super) fn remaining_stderr(stderr: &str) -> String {
     }
 }
 
-/// Writes the requests. `close` signals the end of the data to the other side.
+/// Writes the requests. Then calls `close`, which signals the end of the data to the other side.
 fn write<I: Write>(mut input: I, requests: &Receiver<Vec<u8>>, close: impl FnOnce(I)) {
     for bytes in requests {
         if input.write_all(&bytes).and_then(|()| input.flush()).is_err() {

@@ -1,6 +1,6 @@
 //! Checks whether a testee implements the protocol, including parts that `uavspec test` doesn't use.
 //!
-//! Every check has a separate process or connection, so that a crash affects only the check that caused it.
+//! Each check has a separate process or connection, so that a crash affects only the check that caused it.
 
 mod answers;
 mod introduction;
@@ -22,7 +22,7 @@ use super::timeouts::Timeouts;
 
 /// A requirement of the protocol.
 pub struct Check {
-    /// The name, which never changes.
+    /// The name. It never changes.
     pub id: &'static str,
     /// The requirement.
     pub statement: &'static str,
@@ -89,13 +89,13 @@ pub const CHECKS: &[Check] = &[
     numbers::TAGGED_FLOATS,
     leaving::ANSWERS_BEFORE_END,
     leaving::ENDS_BY_ITSELF,
-    // This check is last because it reports lines that the other checks received.
+    // This check comes last, because it reports lines that were received in the other checks.
     answers::ONLY_ANSWERS,
 ];
 
 /// The result of all checks.
 pub struct LintResult {
-    /// The introduction of the testee; `None` if it sent no valid hello.
+    /// The introduction of the testee. `None` if the testee sent no valid hello.
     pub hello: Option<Hello>,
     /// The checks and their outcomes.
     pub outcomes: Vec<(&'static Check, CheckOutcome)>,
@@ -153,12 +153,12 @@ struct Bench<'b> {
     options: &'b Options,
     /// The first connection, opened before the checks.
     first: Option<Link>,
-    /// The hello and its line.
+    /// The hello, and the line that contained it.
     introduced: Option<(Hello, Vec<u8>)>,
     /// Received lines that are not responses.
     strays: Strays,
     timeouts: Timeouts,
-    /// The reason why no more checks run: the testee answers nothing, and each check would wait for its time limit.
+    /// The reason why no more checks run: the testee doesn't answer, and each check would wait for its time limit.
     gave_up: Option<String>,
 }
 
@@ -194,7 +194,7 @@ impl Bench<'_> {
         self.known_cases().find(|case| case.rule.is_none() && is_wanted(case))
     }
 
-    /// A case to send: a supported case, or any case if none is supported.
+    /// A case to send: a supported case, or any case if no case is supported.
     fn plain_case(&self) -> Result<&Case, String> {
         let case = self.known_case(|_| true).or_else(|| self.cases.first());
         case.ok_or_else(|| "the definitions contain no messages".to_owned())

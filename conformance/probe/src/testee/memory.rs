@@ -1,4 +1,4 @@
-//! Testees in memory, for tests: they answer immediately, and waiting for them takes only simulated time.
+//! Testees in memory, for tests. They answer immediately, and waiting for them takes only simulated time.
 
 use std::collections::VecDeque;
 use std::fmt;
@@ -10,7 +10,8 @@ use uavspec_model::clock::Clock;
 
 use super::link::Received;
 
-/// A running testee: takes a line, and returns the lines that it writes. `None` if it ends instead.
+/// A running testee: a function that takes a line, and returns the lines that the testee writes. `None` if the testee
+/// ends instead.
 type Answer = Box<dyn FnMut(&[u8]) -> Option<Vec<String>> + Send>;
 
 /// A program: a function that starts a testee.
@@ -22,7 +23,7 @@ impl Program {
         Self(Arc::new(start))
     }
 
-    /// Starts the program. It receives the requests of a channel.
+    /// Starts the program, which receives the requests from a channel.
     pub(super) fn start(&self, requests: Receiver<Vec<u8>>, line_limit: usize) -> Memory {
         Memory { answer: Some((self.0)()), requests, lines: VecDeque::new(), line_limit }
     }
@@ -44,7 +45,7 @@ impl Eq for Program {}
 
 /// A connection to a testee in memory.
 pub(super) struct Memory {
-    /// `None` if the testee has ended.
+    /// The running testee. `None` if it has ended.
     answer: Option<Answer>,
     requests: Receiver<Vec<u8>>,
     lines: VecDeque<String>,

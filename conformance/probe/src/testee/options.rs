@@ -16,17 +16,19 @@ pub struct Options {
     pub window: usize,
     /// The time limit for the next response.
     pub timeout: Duration,
-    /// The time limit for accepting a connection and for sending a hello.
+    /// The time limit for connecting and for receiving the hello.
     pub start_timeout: Duration,
     /// The number of concurrent processes.
     pub jobs: usize,
-    /// The maximum number of consecutive restarts of one job without finding a case that crashes the testee by itself.
+    /// The maximum number of consecutive restarts of one job that don't lead to a case which crashes the testee by
+    /// itself.
     pub max_restarts: u32,
-    /// The maximum number of consecutive timeouts of one job. The run also ends after three times as many in all.
+    /// The maximum number of consecutive timeouts of one job. The run also ends if the total number of timeouts is
+    /// three times as high.
     pub max_timeouts: u32,
     /// The maximum length of a line, in bytes.
     pub line_limit: usize,
-    /// The clock of the time limits. The run only reads it, so another thread must advance simulated time.
+    /// The clock for the time limits. The run only reads it, so another thread must advance simulated time.
     pub clock: Clock,
 }
 
@@ -47,12 +49,13 @@ impl Options {
         }
     }
 
-    /// The maximum length of lines between two responses, in bytes. A testee that writes more counts as unresponsive.
+    /// The maximum total length of the lines between two responses, in bytes. A testee that writes more counts as
+    /// unresponsive.
     pub(super) const fn stray_limit(&self) -> usize {
         self.line_limit / 64
     }
 
-    /// The maximum length of all lines of a run that aren't correct responses, in bytes.
+    /// The maximum total length of the lines in a run that aren't correct responses, in bytes.
     pub(super) const fn wrong_limit(&self) -> usize {
         self.line_limit.saturating_mul(8)
     }

@@ -11,8 +11,8 @@ use super::case::Case;
 use super::compare::Difference;
 use super::protocol::Hello;
 
-/// The maximum number of stored remarks. The first remarks in alphabetical order are stored, because the chronological
-/// order depends on process scheduling. Further remarks are only counted.
+/// The maximum number of stored remarks. The alphabetically first remarks are stored, because the chronological order
+/// depends on process scheduling. Further remarks are only counted.
 const MAX_REMARKS: usize = 20;
 
 /// The result of a case.
@@ -31,14 +31,14 @@ pub enum Verdict {
         /// The last part of standard error.
         stderr: String,
     },
-    /// No response came in time.
+    /// There was no response in time.
     TimedOut {
         /// The time limit.
         after: Duration,
         /// The last part of standard error.
         stderr: String,
     },
-    /// A failure excused by a baseline.
+    /// A failure that a baseline excuses.
     Known {
         /// The failure.
         failure: Box<Verdict>,
@@ -69,7 +69,7 @@ impl Verdict {
     }
 }
 
-/// A description on one line, without details that change from run to run.
+/// A one-line description, without details that differ between runs.
 impl fmt::Display for Verdict {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -98,7 +98,7 @@ impl ProtocolRemarks {
             Ok(at) => self.remarks[at].1 += 1,
             Err(at) => self.remarks.insert(at, (what, 1)),
         }
-        // A dropped text stays dropped, because the list is full of texts that sort before it.
+        // A dropped text doesn't return, because the list is full of texts that sort before it.
         if self.remarks.len() > MAX_REMARKS {
             self.more += self.remarks.pop().map_or(0, |(_, count)| count);
         }

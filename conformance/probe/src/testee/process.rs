@@ -26,7 +26,7 @@ const POLL_INTERVAL: Duration = Duration::from_millis(5);
 /// The exit status of an interrupted program, as in shells.
 const INTERRUPTED: i32 = 130;
 
-/// The running process groups. These groups don't receive the signals that a terminal sends to the foreground group.
+/// The running process groups. They don't receive the signals that a terminal sends to the foreground group.
 static GROUPS: Mutex<BTreeSet<u32>> = Mutex::new(BTreeSet::new());
 
 /// A running testee. Dropping it kills the process.
@@ -63,8 +63,8 @@ impl Process {
         }
     }
 
-    /// Waits until the process has ended, or until a time. Returns a description of how it exited, which is empty after a
-    /// success. `None` if it is still running.
+    /// Waits until the process has ended, or until a time. Returns a description of how the process exited, which is
+    /// empty after a success. Returns `None` if the process is still running.
     pub(super) fn await_end(&mut self, until: Instant, clock: &Clock) -> Option<String> {
         loop {
             let how = self.ended();
@@ -75,7 +75,7 @@ impl Process {
         }
     }
 
-    /// A description of how the process exited, which is empty after a success. `None` if it is still running.
+    /// A description of how the process exited, which is empty after a success. `None` if the process is still running.
     pub(super) fn ended(&mut self) -> Option<String> {
         let how = match self.child.try_wait() {
             Ok(Some(status)) if status.success() => String::new(),
@@ -104,8 +104,8 @@ impl Process {
         let _ = self.child.wait();
     }
 
-    /// Kills the remaining processes of the group. Does this only once, because the operating system may later assign
-    /// the same id to another group.
+    /// Kills the remaining processes of the group. This is done only once, because the operating system may later
+    /// assign the same id to another group.
     fn kill_group(&self) {
         if groups(|groups| groups.remove(&self.child.id())) {
             kill_group(self.child.id());
@@ -140,7 +140,7 @@ fn kill_group(_: u32) {}
 fn kill_all_when_interrupted() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
-        // If the application has its own handler, that handler must kill the testees.
+        // If the application has its own signal handler, that handler must kill the testees.
         let _ = ctrlc::try_set_handler(|| {
             groups(std::mem::take).into_iter().for_each(kill_group);
             std::process::exit(INTERRUPTED);

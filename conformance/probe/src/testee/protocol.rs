@@ -207,7 +207,8 @@ impl Response {
     }
 
     /// Like [`read`](Self::read), but returns an error response for an unreadable line that starts with an id. Many
-    /// libraries write a bare `NaN`, for example. If such a line were ignored, the case would wait until its timeout.
+    /// libraries write a bare `NaN`, for example. If such a line were ignored, the probe would wait for the response
+    /// until the timeout.
     pub(crate) fn read_lenient(line: &[u8]) -> Result<(i64, Self), String> {
         Self::read(line).or_else(|wrong| match leading_id(line) {
             Some(id) => Ok((id, Self::Error(wrong))),

@@ -1,6 +1,6 @@
 //! Runs cases, and finds the cases that fail, time out or crash the testee.
 //!
-//! If the testee listens on a port, connections take the place of processes.
+//! If the testee listens on a port, connections are used instead of processes.
 //!
 //! Several requests are pending at a time. If the process ends or stops responding, one of the pending requests is the
 //! probable cause. Each pending request is repeated alone, the oldest first, until a process ends after receiving only
@@ -8,11 +8,11 @@
 //! remarks.
 //!
 //! Neighbouring cases often fail together. After a crash, requests are therefore sent one at a time, and the limit on
-//! pending requests doubles with each response. If every case crashes the testee, each case requires only one process
+//! pending requests doubles with each response. If every case crashes the testee, each case needs only one process
 //! start.
 //!
-//! A run with a testee that doesn't work ends early: after a few timeouts, after many crashes, or after many bytes of
-//! wrong responses.
+//! If the testee doesn't work, a run ends early: after a few timeouts, after many crashes, or after many bytes of wrong
+//! responses.
 
 use std::collections::{BTreeSet, VecDeque};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -30,9 +30,8 @@ use super::protocol::{Hello, Response};
 use super::timeouts::Timeouts;
 use crate::limits::MAX_CRASHES;
 
-/// Runs the selected cases, given as indices. On the wire, the index of a case is its id. Returns an error if the
-/// testee can't be started or sends no valid hello. `progress` receives the number of finished cases and the total
-/// number.
+/// Runs the selected cases, which are given as indices. On the wire, the index of a case is its id. Fails if the testee
+/// can't be started, or sends no valid hello. `progress` receives the number of finished cases and the total number.
 pub fn run<'c>(
     cases: &'c [Case],
     selected: &[usize],
@@ -68,7 +67,7 @@ pub fn run<'c>(
     })
 }
 
-/// The numbers of requests without a response, as the end of the reason why a run ended early.
+/// The numbers of unanswered requests, as the last part of the reason why a run ended early.
 fn unanswered(state: &State, total: usize) -> String {
     let is_response =
         |verdict: &Verdict| !matches!(verdict, Verdict::TimedOut { .. } | Verdict::Crashed { .. });
@@ -99,7 +98,7 @@ struct Shared<'r> {
 #[derive(Default)]
 struct State {
     queue: VecDeque<usize>,
-    /// The requests that were sent at least once.
+    /// The requests that have been sent at least once.
     sent: BTreeSet<usize>,
     verdicts: Vec<(usize, Verdict)>,
     /// The number of bytes in lines that aren't correct responses.
@@ -124,7 +123,7 @@ impl Shared<'_> {
         self.state().protocol_remarks.remark(what);
     }
 
-    /// Ends the run early. Only the first reason counts.
+    /// Ends the run early. Only the first reason is kept.
     fn give_up(&self, why: String) {
         self.state().gave_up.get_or_insert(why);
     }
@@ -142,7 +141,7 @@ impl Shared<'_> {
     }
 }
 
-/// The reason why a process can't be used any more.
+/// The reason why a process can no longer be used.
 #[derive(Clone, Debug)]
 enum End {
     Silent,
@@ -162,7 +161,7 @@ struct Worker<'s, 'r> {
     answered: BTreeSet<usize>,
     /// The time of the last request or response.
     last: Instant,
-    /// Requests to repeat alone.
+    /// The requests to repeat alone.
     suspects: VecDeque<usize>,
     /// The reason why suspected requests are repeated.
     suspicion: Option<String>,
@@ -196,7 +195,7 @@ impl<'s, 'r> Worker<'s, 'r> {
     }
 
     fn run(mut self) {
-        // The first process of an additional worker is not a restart.
+        // The first process of an additional worker doesn't count as a restart.
         let mut is_restart = self.link.is_some();
         while self.has_work() {
             if self.link.is_none() && !self.start(is_restart) {
@@ -346,7 +345,7 @@ impl<'s, 'r> Worker<'s, 'r> {
     /// Adds a remark on a line that isn't a response to a pending request.
     fn stray(&mut self, line: &[u8], what: String) {
         self.shared.remark(what);
-        // The line end counts as well, so empty lines can't go on forever.
+        // Line ends count as well, so empty lines can't continue forever.
         self.stray_bytes += line.len() + 1;
         self.shared.count_wrong(line.len() + 1);
     }

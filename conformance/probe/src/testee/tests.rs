@@ -1,4 +1,4 @@
-//! Tests with testees in memory that don't work: each run ends soon, and reports the reason.
+//! Tests of testees in memory that don't work: each run ends soon, and reports the reason.
 
 use std::sync::LazyLock;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -26,8 +26,8 @@ fn hello() -> Value {
     json!({ "op": "hello", "name": "calm", "version": "1", "ops": ops, "types": [TYPE] })
 }
 
-/// A testee whose lines come from a function. The function takes the id of a request, and the number of requests to the
-/// process.
+/// A testee whose lines are returned by a function. The arguments of the function are the id of a request, and the
+/// number of requests that the process has received.
 fn testee(answer: impl Fn(u64, u32) -> Option<Vec<String>> + Copy + Send + Sync + 'static) -> Options {
     let program = Program::new(move || {
         let mut count = 0;
@@ -47,7 +47,7 @@ fn in_memory(program: Program) -> Options {
     Options { clock: Clock::simulated(), ..Options::new(Target::Memory(program)) }
 }
 
-/// Runs all cases. Returns the outcome, the reason why the run ended early, and the time.
+/// Runs all cases. Returns the outcome, the reason why the run ended early, and the elapsed time.
 fn tested(options: &Options) -> (Outcome<'static>, String, Duration) {
     let (start, selected) = (options.clock.now(), (0..CASES.len()).collect::<Vec<_>>());
     let outcome = run(&CASES, &selected, DEFINITIONS.types(), options, &|_, _| {}).expect("a valid hello");
@@ -55,7 +55,7 @@ fn tested(options: &Options) -> (Outcome<'static>, String, Duration) {
     (outcome, why, options.clock.now() - start)
 }
 
-/// Runs all checks. Returns the result and the time.
+/// Runs all checks. Returns the result and the elapsed time.
 fn linted(options: &Options) -> (LintResult, Duration) {
     let start = options.clock.now();
     let found = lint(&CASES, DEFINITIONS.types(), options, &[], &|_, _| {}).expect("a testee");
@@ -101,7 +101,8 @@ fn gives_up_on_a_testee_that_crashes_in_every_case() {
     assert_eq!(outcome.counts().failed, 100);
 }
 
-/// A limit on the length of lines that makes the other limits small: 16 bytes without a response, and 8,192 wrong bytes.
+/// Options with a limit on the length of lines that results in small values for the other limits: 16 bytes without a
+/// response, and 8,192 wrong bytes.
 fn limited(options: Options) -> Options {
     Options { line_limit: 1 << 10, ..options }
 }
@@ -147,7 +148,7 @@ fn lint_gives_up_on_a_testee_that_never_responds() {
 
 #[test]
 fn lint_continues_if_only_some_requests_have_no_response() {
-    // The lines of other requests contain no type or no format.
+    // The lines for other requests contain no type or no format.
     let program = Program::new(|| {
         Box::new(|line| {
             let request: Value = serde_json::from_slice(line).unwrap_or_default();

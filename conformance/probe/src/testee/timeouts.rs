@@ -2,7 +2,7 @@
 
 use super::options::Options;
 
-/// The ratio of the maximum number of all timeouts to the maximum number of consecutive timeouts.
+/// The ratio between the maximum numbers of timeouts in total and in a row.
 const IN_ALL: u32 = 3;
 
 /// The timeouts of a testee.
@@ -13,7 +13,7 @@ pub(super) struct Timeouts {
 }
 
 impl Timeouts {
-    /// Counts a timeout. Returns the reason to give up if there are too many.
+    /// Counts a timeout. If there are too many, returns the reason to give up.
     pub(super) fn count(&mut self, options: &Options) -> Option<String> {
         self.in_a_row += 1;
         self.in_all += 1;

@@ -44,7 +44,8 @@ fn member_to_wire(name: &str, value: &Value, message: Option<MessageType<'_>>) -
     }
 }
 
-/// Encodes a float, or an array of floats. A null or an array in place of the other is invalid, and is unchanged.
+/// Encodes a float, or an array of floats. If there is null in place of an array, or an array in place of a float, the
+/// value is invalid and isn't changed.
 fn float_to_wire(value: &Value, shape: Shape) -> Value {
     match value {
         Value::Null if shape == Shape::Single => json!({ FLOAT: "NaN" }),
@@ -85,7 +86,7 @@ fn untagged(members: &Map<String, Value>) -> Option<Value> {
     }
 }
 
-/// The value as an integer. A float without a fraction counts as an integer, since some writers don't distinguish the
+/// The value as an integer. A float without a fraction counts as an integer, because some writers don't distinguish the
 /// two.
 pub(super) fn integer(value: &Value) -> Option<i128> {
     match value {
@@ -103,7 +104,7 @@ fn whole(value: f64) -> Option<i128> {
     (value.fract() == 0.0 && value.abs() <= EXACT as f64).then_some(value as i128)
 }
 
-/// The value as a float; null is NaN.
+/// The value as a float. Null means NaN.
 #[allow(clippy::cast_precision_loss)] // the caller asks for a float
 pub(super) fn float(value: &Value) -> Option<f64> {
     match value {

@@ -44,7 +44,7 @@ fn in_value(value: &Tree<'_>, ty: MessageType<'_>, field: &Field) -> usize {
     usize::from(has_other_length) + within
 }
 
-/// False if a single value can't have this type. All other values may have it.
+/// True unless the value is a single value that can't have this type.
 fn may_be(value: &Tree<'_>, scalar: Scalar) -> bool {
     match (value, scalar.integer_bounds()) {
         (Tree::Bool(_), _) => scalar == Scalar::Bool,

@@ -119,7 +119,7 @@ impl Explaining<'_> {
         self.report(self.rules.violated_by(violation), field.span, detail);
     }
 
-    /// Runs `work` within a member. Findings call the member `name`.
+    /// Runs `work` for a member: the path of its findings ends with `name`, and their JSON pointer ends with `key`.
     fn within(&mut self, key: &str, name: &str, work: impl FnOnce(&mut Self)) {
         let (path, subject, location) = (self.path.len(), self.subject.len(), self.pointer.len());
         if path > 0 {

@@ -71,7 +71,7 @@ def check(
         capture: the path, the URL or the content. Content may be compressed with gzip or zstd.
         name: the name of the content in reports and tables.
         definitions: a release such as "px4@1.16", or the path of definitions. By default, uavspec chooses the release that
-            the capture agrees with best.
+            matches the capture best.
         events: the path of event metadata, for events in captures without it.
         schemas: folders with JSON Schemas for other Flockwave types.
         timeline: whether the report has the tables `timeline` and `events`.

@@ -1,4 +1,4 @@
-//! Finds the constants that a field contains, if the definition doesn't name them.
+//! Finds the constants that a field may contain, if the definition doesn't name them.
 
 use uavspec_rules::definitions::ReleaseId;
 use uavspec_runtime::Scalar;
@@ -8,8 +8,8 @@ use uavspec_schema::{Message, Schema};
 use super::catalogue::Catalogue;
 use super::target::declared_name;
 
-/// The masks of flight modes: the message, the start of the field's name, and the annotation. PX4's comments say that
-/// bit N belongs to navigation state N.
+/// The masks of flight modes: the message, the prefix of the field name, and the annotation. According to PX4's
+/// comments, bit N belongs to navigation state N.
 const MODE_MASKS: [(&str, &str, &str); 3] = [
     ("px4_msgs/msg/FailsafeFlags", "mode_req_", "[@flags VehicleStatus.NAVIGATION_STATE]"),
     ("px4_msgs/msg/VehicleStatus", "valid_nav_states_mask", "[@flags NAVIGATION_STATE]"),
@@ -19,17 +19,17 @@ const MODE_MASKS: [(&str, &str, &str); 3] = [
 /// Words in the names of fields whose values are masks.
 const FLAG_WORDS: [&str; 3] = ["flags", "bitfield", "mask"];
 
-/// The source of constants in the definition of the field.
+/// The source if the definition of the field names the constants.
 pub(super) const STATED: &str = "the definition";
 
-/// The sources of inferred constants. These sources don't specify whether the values are masks.
+/// The source if the constants were inferred. Inferred constants don't specify whether the values are masks.
 const BY_NAME: &str = "the names of the constants";
 const BY_POSITION: &str = "the position and the names of the constants";
 
 /// An annotation that names the constants of a field.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct Annotation {
-    /// The line that declares the field.
+    /// The line of the definition that declares the field.
     pub(super) line: String,
     /// The annotation.
     pub(super) text: String,
@@ -39,14 +39,14 @@ pub(super) struct Annotation {
     pub(super) is_inferred: bool,
 }
 
-/// The texts of a definition: in the release to explain, and in all releases from the newest to the oldest.
+/// The texts of a definition: in the release to explain, and in all releases, starting with the newest.
 pub(super) struct Texts<'t> {
     pub(super) own: &'t str,
     pub(super) all: Vec<(String, &'t str)>,
     pub(super) release: ReleaseId,
 }
 
-/// Finds the annotation for a field without one.
+/// Finds an annotation for a field whose definition has none.
 pub(super) fn find(
     catalogue: &Catalogue<'_>,
     texts: &Texts<'_>,
@@ -97,12 +97,12 @@ fn inferred(text: &str, name: &str, prefix: &str) -> String {
     let has_zero_and_masks = { values.clone() }.any(|value| value == 0)
         && { values.clone() }.any(|value| value > 1)
         && { values }.all(|value| value == 0 || value.count_ones() == 1);
-    // If a constant means that no bit is set, masks look like bit numbers.
+    // If one of the constants means that no bit is set, masks look like bit numbers.
     let are_flags = FLAG_WORDS.iter().any(|word| name.contains(word)) && !has_zero_and_masks;
     format!("[@{} {prefix}]", if are_flags { "flags" } else { "enum" })
 }
 
-/// The annotation of the documented field, with the prefixes of this release.
+/// The annotation of the documented field, with the prefixes that this release uses.
 fn documented(catalogue: &Catalogue<'_>, texts: &Texts<'_>, definition: &str, name: &str) -> Option<String> {
     let schema: &Schema = &catalogue.library().base().schema;
     let message: &Message = catalogue.documented(definition)?;
@@ -136,13 +136,13 @@ fn stated<'t>(text: &'t str, name: &str) -> Option<&'t str> {
     Some(&line[start..=start + end])
 }
 
-/// True if a definition has constants with each prefix of an annotation.
+/// True if the definition has constants with each of the prefixes in an annotation.
 fn is_used(text: &str, annotation: &str) -> bool {
     let prefixes = annotation.trim_end_matches(']').split(' ').skip(1);
     { prefixes }.all(|prefix| text.lines().filter_map(declared_name).any(|name| has_prefix(name, prefix)))
 }
 
-/// The prefix of the constants below a field. Only fields of the same type may lie between.
+/// The prefix of the constants that are declared below a field. Only fields of the same type may be in between.
 fn below(text: &str, line: &str, ty: &str) -> Option<String> {
     let mut lines = text.lines().skip_while(|other| *other != line).skip(1).peekable();
     while lines.next_if(|next| !is_constant(next) && next.split(' ').next() == Some(ty)).is_some() {}
@@ -185,8 +185,8 @@ fn constants_with<'t>(text: &'t str, prefix: &str) -> impl Iterator<Item = (&'t 
     constants.filter(move |(name, _)| has_prefix(name, &prefix))
 }
 
-/// True if the last word of a prefix is a word of a field's name, possibly in the plural. Masks for shifting bits
-/// aren't values.
+/// True if the last word of a prefix occurs in a field name, possibly in the plural. False for masks that are used for
+/// bit shifts, because they aren't values.
 fn is_named_after(prefix: &str, name: &str) -> bool {
     let last = prefix.rsplit('_').next().unwrap_or(prefix);
     let is_equal = |word: &str| {

@@ -1,4 +1,4 @@
-//! Answers, as they are written in JSON.
+//! The answers, in the form in which JSON contains them.
 
 use serde::Serialize;
 

@@ -1,4 +1,4 @@
-//! Looks up definitions in all releases. Nothing is read before it is needed.
+//! Looks up definitions in all releases. Definitions are read only when they are needed.
 
 use std::cell::OnceCell;
 
@@ -11,13 +11,13 @@ use uavspec_schema::{Constant, Field, Message, Schema};
 /// The definitions of all releases, or of one release.
 pub(super) struct Catalogue<'l> {
     library: &'l Library,
-    /// The only release to which answers refer.
+    /// The release that answers refer to. `None` if they refer to all releases.
     only: Option<ReleaseId>,
     px4: OnceCell<Vec<ReleaseText>>,
     ros2: OnceCell<Vec<ReleaseText>>,
 }
 
-/// A definition in a release, with the definitions to which it refers.
+/// A definition in a release, and the definitions that it refers to.
 pub(super) struct Definition {
     /// The full ROS name.
     pub(super) name: String,
@@ -34,7 +34,7 @@ impl<'l> Catalogue<'l> {
         self.library
     }
 
-    /// The distinct definitions of the releases, by name.
+    /// The distinct definitions in the releases, by name.
     pub(super) fn rows(&self) -> impl Iterator<Item = &'l Row> {
         let only = self.only;
         let rows = self.library.index().rows().iter();
@@ -46,7 +46,7 @@ impl<'l> Catalogue<'l> {
         self.library.index().label(release)
     }
 
-    /// True if answers refer to a release with this name.
+    /// True if answers refer to the release with this name.
     pub(super) fn includes(&self, label: &str) -> bool {
         self.only.is_none_or(|only| self.label(only) == label)
     }
@@ -62,7 +62,8 @@ impl<'l> Catalogue<'l> {
         self.library.index().family(release)
     }
 
-    /// The newest release that contains a definition. Releases that may still change come last.
+    /// The newest release that contains a definition. A release that may still change is returned only if no other
+    /// release contains it.
     pub(super) fn newest(&self, name: &str) -> Option<ReleaseId> {
         let index = self.library.index();
         let rows = index.of_name(name).flat_map(|row| row.releases.iter());
@@ -98,7 +99,8 @@ impl<'l> Catalogue<'l> {
         entries(self.text(release)).find(|entry| full_name(entry) == name).map(|entry| entry.text)
     }
 
-    /// The text of a definition in the releases that contain it, from the newest to the oldest.
+    /// The texts of a definition in all releases that contain it, starting with the newest. Each text has the name of
+    /// its release.
     pub(super) fn texts_of(&self, name: &str, family: Family) -> Vec<(String, &str)> {
         let index = self.library.index();
         let releases: Vec<ReleaseId> = index.releases_of(family).collect();
@@ -106,7 +108,8 @@ impl<'l> Catalogue<'l> {
         releases.into_iter().rev().filter_map(text).collect()
     }
 
-    /// Reads a definition in a release. `annotation` is a line of the definition, and an annotation to add to the line.
+    /// Reads a definition in a release. `annotation` consists of a line of the definition, and the annotation to add to
+    /// this line.
     pub(super) fn read(
         &self,
         name: &str,
@@ -133,7 +136,7 @@ impl<'l> Catalogue<'l> {
         base.message_of_type(name).map(|id| base.schema.message(id))
     }
 
-    /// The documentation of a field, if the documented field has the same type.
+    /// The documentation of a field, provided that the documented field has the same type.
     pub(super) fn documented_field(
         &self,
         schema: &Schema,
@@ -150,8 +153,8 @@ impl<'l> Catalogue<'l> {
         documented.fields.iter().find(is_same)
     }
 
-    /// The documentation of a constant, if the documented constant has the same value. PX4 shortened some names:
-    /// `BATTERY_WARNING_LOW` became `WARNING_LOW`.
+    /// The documentation of a constant, provided that the documented constant has the same value. PX4 shortened some
+    /// names: `BATTERY_WARNING_LOW` became `WARNING_LOW`.
     pub(super) fn description_of(&self, schema: &Schema, message: &Message, constant: &Constant) -> String {
         let documented = self.documented(&ros_name(schema, message));
         let mut constants = documented.into_iter().flat_map(|message| &message.constants);
@@ -174,7 +177,7 @@ impl Definition {
     }
 }
 
-/// The text of a release, with an annotation in a line of a definition.
+/// The text of a release, with an annotation added to a line of a definition.
 fn annotated(text: &str, name: &str, line: &str, annotation: &str) -> Option<String> {
     let start = text.find(&format!(": {name}\n"))?;
     let at = start + text[start..].find(&format!("\n{line}\n"))? + 1 + line.len();

@@ -9,7 +9,7 @@ use super::catalogue::Catalogue;
 use super::field::{Located, limits, presence_of};
 use super::target::Place;
 
-/// Explains a constant. `others` are other definitions with a constant of this name.
+/// Explains a constant. `others` are the names of other definitions that have a constant with this name.
 pub(super) fn explain(catalogue: &Catalogue<'_>, place: &Place, others: Vec<String>) -> Constant {
     let definition = catalogue.read(&place.definition, place.release, None);
     let part = definition.parts().find(|message| message.name == place.message);
@@ -41,7 +41,7 @@ pub(super) fn explain(catalogue: &Catalogue<'_>, place: &Place, others: Vec<Stri
     }
 }
 
-/// The fields of the message that contain the constant, with their values.
+/// The fields of the message that may contain the constant, each with its values.
 fn users(
     catalogue: &Catalogue<'_>,
     place: &Place,
@@ -68,7 +68,7 @@ fn users(
     users
 }
 
-/// The other values with the same prefix.
+/// The other values whose constants have the same prefix.
 fn others_of(values: &Values, name: &str) -> Vec<Member> {
     let prefix = values.prefixes.iter().find(|prefix| name.starts_with(prefix.as_str()));
     let is_other = |member: &&Member| {

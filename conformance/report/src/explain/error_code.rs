@@ -11,7 +11,7 @@ pub(super) fn numbered(schema: &Schema, code: u32) -> ErrorCode {
     defined.map_or_else(|| undefined(code), |defined| explain(schema, defined))
 }
 
-/// Explains the codes with an abbreviation, in any case: one code of each severity.
+/// Explains the codes that have an abbreviation: one code for each severity. Ignores case.
 pub(super) fn abbreviated(schema: &Schema, word: &str) -> Vec<ErrorCode> {
     let is_meant = |defined: &&Defined| {
         defined.abbreviation.as_ref().is_some_and(|abbreviation| abbreviation.eq_ignore_ascii_case(word))
@@ -30,7 +30,7 @@ fn explain(schema: &Schema, defined: &Defined) -> ErrorCode {
         let related = codes.iter().filter_map(find);
         related.map(|other| Code { code: other.code, description: other.description.clone() }).collect()
     };
-    // Alternatives are mentioned in the description too.
+    // The description mentions the alternatives as well.
     let is_other = |code: &&u32| !defined.alternatives.contains(code);
     let others: Vec<u32> = defined.see_also.iter().filter(is_other).copied().collect();
     ErrorCode {

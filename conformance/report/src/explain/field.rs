@@ -22,14 +22,14 @@ pub(super) struct Located {
 }
 
 impl Located {
-    /// Finds a field. If its definition doesn't name its constants, other sources do.
+    /// Finds a field. If the definition doesn't name the constants of the field, looks for them in other sources.
     pub(super) fn new(catalogue: &Catalogue<'_>, place: &Place) -> Option<Self> {
         let own = catalogue.text_of(&place.definition, place.release)?;
         let all = catalogue.texts_of(&place.definition, catalogue.family(place.release));
         Self::with_texts(catalogue, place, &Texts { own, all, release: place.release })
     }
 
-    /// Like [`Self::new`], with the texts of the definition.
+    /// Like [`Self::new`], but uses these texts of the definition.
     pub(super) fn with_texts(catalogue: &Catalogue<'_>, place: &Place, texts: &Texts<'_>) -> Option<Self> {
         let found = annotation::find(catalogue, texts, &place.definition, &place.name);
         let annotation = found.as_ref().map(|found| (found.line.as_str(), found.text.as_str()));

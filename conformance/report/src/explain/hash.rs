@@ -8,13 +8,13 @@ use super::catalogue::Catalogue;
 /// The start of a ROS type hash.
 const TYPE_HASH: &str = "RIHS01_";
 
-/// True for the eight digits of a uORB message hash, also with `0x`.
+/// True if a word has the form of a uORB message hash: eight digits, optionally after `0x`.
 pub(super) fn is_message_hash(word: &str) -> bool {
     let digits = word.strip_prefix("0x").or_else(|| word.strip_prefix("0X")).unwrap_or(word);
     digits.len() == 8 && digits.bytes().all(|byte| byte.is_ascii_hexdigit())
 }
 
-/// Finds the definitions with a hash. `None` if the word isn't a hash, or if no definition has it.
+/// Finds the definitions that have a hash. `None` if the word isn't a hash, or no definition has this hash.
 pub(super) fn find(catalogue: &Catalogue<'_>, word: &str) -> Option<Hash> {
     let (form, hash) = if is_message_hash(word) {
         ("uorb", word[word.len() - 8..].to_ascii_lowercase())
@@ -27,7 +27,7 @@ pub(super) fn find(catalogue: &Catalogue<'_>, word: &str) -> Option<Hash> {
         "uorb" => format!("{uorb:08x}") == hash,
         _ => type_hash == hash,
     };
-    // Only messages of PX4 have a uORB hash, and a topic.
+    // Only PX4 messages have a uORB hash and topics.
     let has_form = |topics: &[String]| form != "uorb" || !topics.is_empty();
     let rows = catalogue.rows().filter(|row| has_form(&row.topics) && is_equal(row.hash, &row.type_hash));
     let mut definitions: Vec<Hashed> = rows

@@ -16,8 +16,8 @@ impl<'l> History<'l> {
         Self { catalogue: Catalogue::new(library, None) }
     }
 
-    /// The releases that contain a message, or one of its fields or constants, and the changes. The name of the message
-    /// is its full ROS name, such as `px4_msgs/msg/VehicleStatus`.
+    /// Lines with the releases that contain a message, or one of its fields or constants, and the changes between them.
+    /// `message` is the full ROS name, such as `px4_msgs/msg/VehicleStatus`.
     pub fn lines(&self, message: &str, item: Option<&str>) -> Vec<String> {
         let catalogue = &self.catalogue;
         let Some(release) = catalogue.newest(message) else { return Vec::new() };

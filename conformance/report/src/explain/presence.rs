@@ -1,4 +1,4 @@
-//! The releases that contain a definition or an item, and the changes in each.
+//! The releases that contain a definition or an item, and the changes in each of them.
 
 use uavspec_lint::release::{Change, Step};
 use uavspec_rules::definitions::Family;
@@ -6,10 +6,10 @@ use uavspec_rules::definitions::Family;
 use super::answer::{Changes, Presence};
 use super::catalogue::Catalogue;
 
-/// The rules of `breaking` about an item with a new name.
+/// The rules of `breaking` that report an item with a new name.
 const RENAMES: [&str; 2] = ["field-renamed", "constant-renamed"];
 
-/// The presence of a definition, by its history.
+/// The presence of a definition, based on its history.
 pub(super) fn of_definition(catalogue: &Catalogue<'_>, family: Family, steps: &[Step]) -> Presence {
     let is_present: Vec<bool> = steps.iter().map(|step| step.name.is_some()).collect();
     let changes = steps.iter().map(|step| step.changes.iter().collect()).collect();

@@ -12,13 +12,13 @@ use super::{MAX_WORD, Unknown, error_code};
 /// The help if no name is similar.
 const HELP: &str = "name an error code, a topic, a message, a field, a value, a constant, a hash or a rule";
 
-/// The problem of a text that isn't a word.
+/// The error for a text that isn't a word.
 pub(super) fn not_a_word() -> Unknown {
     let problem = format!("expected a word of 1 to {MAX_WORD} bytes");
     Unknown { problem, help: HELP.to_owned() }
 }
 
-/// The problem of a word without a meaning, with a similar name.
+/// The error for a word without a meaning. Suggests a similar name.
 pub(super) fn unknown(catalogue: &Catalogue<'_>, word: &str) -> Unknown {
     let target = word.split_once('=').map_or(word, |(target, _)| target);
     let help = match target.split_once('.') {
@@ -29,13 +29,13 @@ pub(super) fn unknown(catalogue: &Catalogue<'_>, word: &str) -> Unknown {
     Unknown { problem: format!("{}: unknown", shown(word)), help }
 }
 
-/// The problem of a value that the field can't have.
+/// The error for a value that the field can't have.
 pub(super) fn no_value(place: &Place, text: &str, expected: &str) -> Unknown {
     let problem = format!("{}={}: expected {expected}", shown(&place.path), shown(text));
     Unknown { problem, help: format!("run `uavspec explain {}`", shown(&place.path)) }
 }
 
-/// The problem of a name that none of the field's constants has.
+/// The error for a name that isn't one of the field's constants.
 pub(super) fn unknown_value(place: &Place, field: &Field, text: &str) -> Unknown {
     let members = field.values.iter().flat_map(|values| &values.members).map(|member| member.name.as_str());
     let prefixes = || field.values.iter().flat_map(|values| &values.prefixes);

@@ -10,7 +10,7 @@ use uavspec_schema::{Element, Message};
 use super::answer::Candidates;
 use super::catalogue::{Catalogue, Definition};
 
-/// The ROS 2 names of PX4's topics start with one of these.
+/// The prefixes of the ROS 2 names of PX4 topics.
 const NAMESPACES: [&str; 3] = ["/fmu/out/", "/fmu/in/", "/"];
 
 /// An item that a name denotes.
@@ -18,7 +18,7 @@ pub(super) enum Target {
     /// A message or a service.
     Message(Box<Definition>),
     Field(Place),
-    /// A constant, and other definitions with a constant of this name.
+    /// A constant, and the names of other definitions that have a constant with this name.
     Constant(Place, Vec<String>),
     /// Items of several messages.
     Several(Candidates),
@@ -37,7 +37,7 @@ pub(super) struct Place {
     pub(super) name: String,
 }
 
-/// The items that a word denotes, the most specific first.
+/// The items that a word denotes, starting with the most specific one.
 pub(super) fn find(catalogue: &Catalogue<'_>, word: &str) -> Vec<Target> {
     let word = NAMESPACES.iter().find_map(|start| word.strip_prefix(start)).unwrap_or(word);
     let mut found: Vec<Target> = definitions(catalogue, word)
@@ -54,7 +54,7 @@ pub(super) fn find(catalogue: &Catalogue<'_>, word: &str) -> Vec<Target> {
     found
 }
 
-/// The definitions that a topic or a name denotes, in the newest release that has some.
+/// The definitions that a topic or a name denotes. Uses the newest release that contains at least one of them.
 fn definitions(catalogue: &Catalogue<'_>, word: &str) -> Vec<(String, ReleaseId)> {
     let unversioned = unversioned(word);
     let is_topic = |topic: &String| topic == word || unversioned.is_some_and(|name| topic == name);
@@ -63,7 +63,7 @@ fn definitions(catalogue: &Catalogue<'_>, word: &str) -> Vec<(String, ReleaseId)
     newest_of_each_family(catalogue, &newest.collect())
 }
 
-/// True if a full name is meant by a word: the full name, or parts of it such as `px4/VehicleStatus`.
+/// True if a word denotes a full name: it is the full name, or parts of it, such as `px4/VehicleStatus`.
 fn is_named(full_name: &str, word: &str) -> bool {
     let Some((package, name)) = word.rsplit_once('/') else {
         return full_name.rsplit('/').next() == Some(word);
@@ -75,7 +75,7 @@ fn is_named(full_name: &str, word: &str) -> bool {
         })
 }
 
-/// The definitions of each family in the newest release that has some, messages before services.
+/// For each family, the definitions in the newest release that contains any of them. Messages come before services.
 fn newest_of_each_family(
     catalogue: &Catalogue<'_>,
     found: &BTreeMap<String, ReleaseId>,
@@ -93,8 +93,8 @@ fn newest_of_each_family(
         .collect()
 }
 
-/// The item in the newest release of the definition. If that release lacks the item, the newest release with the item
-/// is used.
+/// The item in the newest release of the definition. If that release lacks the item, the newest release that contains
+/// the item is used.
 fn newest_item(
     catalogue: &Catalogue<'_>,
     name: &str,
@@ -112,7 +112,7 @@ fn newest_item(
     { releases }.filter(declares).find_map(|release| item(&catalogue.read(name, release, None), first, path))
 }
 
-/// The field or constant of a definition that a path denotes. Indices of arrays are ignored.
+/// The field or constant of a definition that a path denotes. Array indices are ignored.
 fn item(definition: &Definition, first: &str, path: &str) -> Option<Target> {
     let steps: Vec<&str> = path.split('.').map(|step| step.split('[').next().unwrap_or(step)).collect();
     let (last, steps) = steps.split_last()?;
@@ -143,7 +143,8 @@ fn item(definition: &Definition, first: &str, path: &str) -> Option<Target> {
     None
 }
 
-/// The fields or constants with a name, in any definition of the newest release that has some.
+/// The fields or constants with this name in any definition. Uses the newest release that contains at least one of
+/// them.
 fn declared(catalogue: &Catalogue<'_>, word: &str) -> Vec<Target> {
     let index = catalogue.library().index();
     let mut found: BTreeMap<String, ReleaseId> = BTreeMap::new();
@@ -192,7 +193,7 @@ pub(super) fn declared_name(line: &str) -> Option<&str> {
     if ty.starts_with('#') { None } else { rest.split(['=', ' ']).next() }
 }
 
-/// A short name: the topic of a message, or the name without the package.
+/// A short name: the topic of a message, or the name without its package.
 fn short(catalogue: &Catalogue<'_>, full_name: &str) -> String {
     let name = full_name.rsplit('/').next().unwrap_or(full_name);
     let row = catalogue.library().index().of_name(full_name).last();

@@ -1,4 +1,4 @@
-//! Tests of explanations by the releases in the program.
+//! Tests of explanations, using the releases that the program contains.
 
 use std::sync::LazyLock;
 

@@ -12,10 +12,10 @@ use super::answer::{
 };
 use crate::rule_list;
 
-/// The maximum number of candidates that are listed.
+/// The maximum number of candidates to list.
 const MAX_CANDIDATES: usize = 30;
 
-/// The unit of numbers without a dimension.
+/// The text for the unit of dimensionless numbers.
 const NO_UNIT: &str = "-";
 
 /// Formats the answers, with an empty line between them.
@@ -40,7 +40,7 @@ fn answer(answer: &Answer) -> String {
 struct Lines(String);
 
 impl Lines {
-    /// Adds a line that wraps at the width of a terminal. Further lines are indented by `indent` columns.
+    /// Adds a line that wraps at the width of a terminal. The continuation lines are indented by `indent` columns.
     fn line(&mut self, indent: usize, text: &str) {
         self.0.push_str(wrapped(text, 0, indent).trim_end());
         self.0.push('\n');
@@ -49,7 +49,7 @@ impl Lines {
     /// Adds a fact with a label.
     fn fact(&mut self, label: &str, text: &str) {
         if !text.contains(' ') && !text.is_empty() {
-            // A long hash stays next to its label.
+            // A long hash stays on the same line as its label.
             let _ = writeln!(self.0, "{:<13}  {}", format!("{label}:"), shown(text));
         } else if !text.is_empty() {
             self.line(15, &format!("{:<13}  {}", format!("{label}:"), shown(text)));
@@ -161,7 +161,7 @@ fn field(field: &Field) -> String {
     lines.0
 }
 
-/// The title of the constants of a field.
+/// The title of a field's list of constants.
 fn title(values: &Values, asked: Option<&Asked>) -> String {
     let word = match (values.flags, asked) {
         (true, None) => "Bits",
@@ -222,7 +222,7 @@ fn constant(constant: &Constant) -> String {
             .collect();
         Some(format!("{}: {}", parameter.number, facts.join(", "))).filter(|_| !facts.is_empty())
     });
-    lines.section("Parameters (the releases don't describe the others)", parameters);
+    lines.section("Parameters (the releases describe no others)", parameters);
     lines.section("Alternatives", constant.alternatives.iter().map(member));
     presence(&mut lines, &constant.presence);
     lines.0

@@ -11,7 +11,7 @@ use super::field::Located;
 use super::target::Place;
 use super::{Unknown, suggestion};
 
-/// The last words of constants that are limits or counts, not values.
+/// The suffixes of constants that are limits or counts, not values.
 const LIMITS: [&str; 5] = ["_MAX", "_COUNT", "_NUM", "_LAST", "_ENUM_END"];
 
 /// The start of notes about invalid values.
@@ -60,7 +60,7 @@ pub(super) fn explain(
     Ok(asked)
 }
 
-/// True if a field can have the value in the question, and the value has a meaning if the field has constants.
+/// True if a field can have the value in the question. If the field has constants, the value must also have a meaning.
 pub(super) fn is_possible(field: &Field) -> bool {
     let asked = field.asked.as_ref();
     asked.is_some_and(|asked| {
@@ -97,7 +97,8 @@ fn meaning(asked: &mut Asked, values: &Values, number: i128) {
     asked.notes.extend(bits.map(|bit| format!("bit {bit} ({:#x}) has no meaning", 1_i128 << bit)));
 }
 
-/// True if all constants have at most one bit, as in a mask. The numbers 0, 1 and 2 may also be an ordinary enum.
+/// True if every constant has at most one bit, as in a mask. False for the numbers 0, 1 and 2, which may also be an
+/// ordinary enum.
 fn are_masks(values: &Values) -> bool {
     let mut numbers = values.members.iter().filter_map(|member| integer(&member.value));
     values.members.len() > 2
@@ -105,7 +106,7 @@ fn are_masks(values: &Values) -> bool {
         && numbers.all(|number| number == 0 || number.count_ones() == 1)
 }
 
-/// The constants with the same numbers in all releases, with equal neighbours in one entry.
+/// The constants with the same numbers in all releases. Consecutive releases with the same constants share an entry.
 fn by_release(
     catalogue: &Catalogue<'_>,
     owner: &Definition,
@@ -115,7 +116,7 @@ fn by_release(
     let family = catalogue.family(owner.release);
     let own = catalogue.library().index().release(owner.release).name;
     let steps = catalogue.history(owner);
-    // The number of a flag is its mask or its bit.
+    // The number of a flag is either its mask or its bit number.
     let constants = steps.iter().find(|step| step.release == own).map(|step| &step.constants);
     let numbers: Vec<&String> = meaning.iter().filter_map(|member| constants?.get(&member.name)).collect();
     let is_meant = |name: &str| {
@@ -142,7 +143,7 @@ fn by_release(
     found
 }
 
-/// The constant with a name, with or without the prefix.
+/// The constant that has a name, with or without the prefix.
 fn named<'f>(field: &'f Field, text: &str) -> Option<&'f Member> {
     let values = field.values.as_ref()?;
     let is_named = |name: &str| {
@@ -173,7 +174,7 @@ fn truth(text: &str) -> Option<i128> {
     }
 }
 
-/// A note if the type can't hold the value.
+/// A note that the type can't represent the value, if this is the case.
 fn out_of_type(element: Element, number: i128) -> Option<String> {
     let Element::Scalar(scalar) = element else { return None };
     let (low, high) = scalar.integer_bounds()?;

@@ -89,7 +89,7 @@ fn values(example: &Example) -> Markup {
     }
 }
 
-/// The request next to the answer. If the record belongs to no request, only the record is shown.
+/// The request next to its answer. If the record belongs to no request, only the record.
 fn exchange(example: &Example) -> Markup {
     let Example { request, excerpt, .. } = example;
     let of_record = if request.is_empty() { "Excerpt" } else { "Answer" };

@@ -10,10 +10,10 @@ use crate::{RuleReport, Verdict};
 /// The number of groups of a rule that are initially visible. The user can expand the rest.
 const MAX_OPEN: usize = 4;
 
-/// The maximum number of groups in the expanded part. The JSON report has more.
+/// The maximum number of groups in the expanded part. The JSON report contains more.
 const MAX_LISTED_ITEMS: usize = 50;
 
-/// The number of rules above which the findings start with links to each rule.
+/// The number of rules above which the findings start with links to the rules.
 const MAX_WITHOUT_LINKS: usize = 3;
 
 /// The findings of all files, by rule.

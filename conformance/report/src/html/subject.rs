@@ -15,7 +15,8 @@ const MAX_OPEN: usize = 4;
 /// The maximum number of items in the expanded part. The JSON report has more.
 const MAX_LISTED_ITEMS: usize = 50;
 
-/// The maximum number of unreadable files in the table, and of other files. Browsers can't open much larger tables.
+/// The maximum number of unreadable files in the table, and the maximum number of other files. Browsers can't open much
+/// larger tables.
 pub(super) const MAX_ROWS: usize = 10_000;
 
 /// The table of files or testees. `rows` are the rows of the first subjects.
@@ -78,8 +79,8 @@ pub(super) fn has_details(subject: &Subject) -> bool {
         || subject.outcome.kind != OutcomeKind::Conforms
 }
 
-/// The section of a subject. The index makes the section's anchor unique. The head of a report with a single subject
-/// contains its coverage, and the footer contains the command of the whole run.
+/// The section of a subject. `index` makes the section's anchor unique. In a report with a single subject, the coverage
+/// is in the head, and the command of the whole run is in the footer.
 pub(super) fn section(noun: &str, subject: &Subject, index: usize, is_single: bool, command: &str) -> Markup {
     let anchor = format!("subject-{}", index + 1);
     let is_shown = |line: &Line| !is_single || !line.lists.is_empty() || !line.details.is_empty();

@@ -6,7 +6,7 @@ use uavspec_model::text::thousands;
 use super::{fact, finding, number, shown};
 use crate::{Case, Counts, Testee};
 
-/// The number of initially visible failures. The user can expand the rest.
+/// The number of failures that are initially visible. The user can expand the rest.
 const MAX_OPEN: usize = 8;
 
 /// The maximum number of failures in the expanded part. The JSON report has more.

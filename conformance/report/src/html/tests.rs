@@ -1,4 +1,4 @@
-//! Tests of the content of pages and of Markdown reports, which have the same order.
+//! Tests of the content of pages and of Markdown reports, which are in the same order.
 
 use std::fs;
 use std::path::Path;
@@ -60,7 +60,7 @@ fn request_type(name: &str, not_sent: Option<&str>) -> RequestType {
     }
 }
 
-/// A file with a message for each name. Each message violates PX-ARR-01, and the named field is out of range.
+/// A file with a message for each name. Each message violates PX-ARR-01, and the field with this name is out of range.
 fn file(path: &str, names: &[&str]) -> Subject {
     let message = json!({ "timestamp": 1, "arming_check_id": 2, "mode_id": 3, "mode_executor_id": -1, "name": "x".repeat(26) });
     let line = |name: &&str| {
@@ -230,7 +230,7 @@ fn disputed_rules_say_so() {
     assert_order(&markdown, &["### warning: ", "`FW-ENV-11`", " SHOULD, disputed\n"]);
 }
 
-/// Compares a page with the one on the documentation site.
+/// Compares a page with the published one on the documentation site.
 pub(crate) fn compare_with_site(name: &str, page: &str) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../xtask/site").join(name);
     if std::env::var_os("UAVSPEC_UPDATE_FIXTURES").is_some() {

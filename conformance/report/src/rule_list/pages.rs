@@ -1,4 +1,5 @@
-//! Documentation pages: one for each rule, an overview with the matrix, and the rules' part of the table of contents.
+//! Documentation pages: one for each rule, an overview with the matrix, and the part of the table of contents that
+//! lists the rules.
 //!
 //! `uavspec-codegen` writes the other pages, and inserts this part into its table of contents.
 
@@ -19,10 +20,10 @@ const OVERVIEW: &str = "conformance/README.md";
 /// The title of the overview.
 const TITLE: &str = "Rules of check, test and probe";
 
-/// The path of the rules' part of the table of contents.
+/// The path of the part of the table of contents that lists the rules.
 pub const CONTENTS: &str = "conformance/contents.md";
 
-/// The topics, and the families of their rules: the first parts of the ids.
+/// The topics of the overview, each with its families of rules. A family is the first part of an id.
 const TOPICS: [(&str, &[&str]); 15] = [
     ("Message envelope", &["FW-ENV"]),
     ("Acknowledgments and login", &["FW-ACK", "FW-AUTH"]),
@@ -67,7 +68,7 @@ pub fn pages(rows: &[Row]) -> Vec<OutputFile> {
     files
 }
 
-/// The path of a rule's page, which `rule_url` points to. The pages of lint rules are in the same folder.
+/// The path of a rule's page. `rule_url` links to it. The pages of lint rules are in the same folder.
 fn path(id: &str) -> String {
     format!("rules/{id}.md")
 }
@@ -190,8 +191,8 @@ pub fn matrix(rows: &[Row]) -> Table {
     table
 }
 
-/// The part of the table of contents. Its links are relative to the documentation folder. The entries of topics have no
-/// page.
+/// The part of the table of contents that lists the rules. Its links are relative to the documentation folder. The
+/// entries for topics have no page.
 fn contents() -> OutputFile {
     let mut text = format!("- {}\n", link(TITLE, OVERVIEW));
     for (topic, families) in TOPICS {

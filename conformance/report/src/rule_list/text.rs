@@ -60,7 +60,7 @@ fn mutant_text(mutant: &Mutant) -> String {
     paragraph("  - ", &format!("{}{also}", mutant.name))
 }
 
-/// Wraps a text that starts after `first`. The other lines are indented like the first one.
+/// Wraps a text that starts after `first`. All other lines are indented like the first one.
 fn paragraph(first: &str, text: &str) -> String {
     let words: Vec<&str> = text.split_whitespace().collect();
     let indent = first.chars().count();

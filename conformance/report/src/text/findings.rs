@@ -1,5 +1,5 @@
-//! The findings of a capture, as text. Findings of one rule with the same message and location are merged, because they
-//! usually have one cause.
+//! The findings of a capture, as text. Findings of a rule that have the same message and location are merged, because
+//! they usually have the same cause.
 
 use std::fmt::{self, Write as _};
 
@@ -24,18 +24,18 @@ const DETAIL: usize = 6;
 /// The maximum length of an excerpt, in characters.
 const MAX_EXCERPT: usize = 300;
 
-/// Findings of one rule with the same message and location.
+/// Findings of a rule that have the same message and location.
 pub(super) struct Merged<'s> {
     first: &'s Finding,
     example: &'s Example,
     subjects: Vec<&'s str>,
 }
 
-/// The findings of a subject in the order of the report, the most severe first.
+/// The findings of a subject in the order of the report, starting with the most severe.
 pub(super) fn merged(subject: &Subject) -> Vec<Merged<'_>> {
     let mut all: Vec<Merged<'_>> = Vec::new();
     for level in [Level::Must, Level::Should, Level::Info] {
-        // Format differences are listed in the summary instead.
+        // The summary lists format differences instead.
         let is_of_level = |found: &&Finding| found.level == level && found.rule != px4::FMT_01.rule.id;
         for found in subject.findings.iter().filter(is_of_level) {
             let Some(example) = found.examples.first() else { continue };
@@ -65,7 +65,7 @@ const fn style(verdict: Verdict) -> Style {
     }
 }
 
-/// Writes findings that were merged.
+/// Writes a group of merged findings.
 pub(super) fn write(merged: &Merged<'_>, subject: &Subject, text: &mut String) -> fmt::Result {
     let Merged { first: finding, example, subjects } = merged;
     let width =
@@ -94,8 +94,8 @@ pub(super) fn write(merged: &Merged<'_>, subject: &Subject, text: &mut String) -
     Ok(())
 }
 
-/// The number of findings and the place of the first one: its location in the file, time and connection, and the line
-/// of the definition.
+/// The number of findings, and details about the first one: its location in the file, its time and connection, and the
+/// line of the definition.
 fn place(finding: &Finding, example: &Example, subject: &Subject) -> String {
     let times = match finding.count {
         1 => "once".to_owned(),

@@ -10,10 +10,10 @@ use uavspec_model::text::thousands;
 
 use crate::Unreadable;
 
-/// The maximum number of failures that are listed.
+/// The maximum number of failures to list.
 const MAX_FAILURES: usize = 100;
 
-/// The maximum number of file extensions that are listed.
+/// The maximum number of file extensions to list.
 const MAX_EXTENSIONS: usize = 8;
 
 /// The paths that couldn't be read, with the reasons.
@@ -26,8 +26,8 @@ pub(super) fn failures(files: &[Unreadable]) -> Vec<String> {
     lines
 }
 
-/// A line for each reason for not checking files: the first files, the reason and the number of files with each
-/// extension.
+/// A line for each reason why files weren't checked. It contains the first files, the reason, and the number of files
+/// with each extension.
 pub(super) fn lines(files: &[Unreadable]) -> Vec<String> {
     let mut by_reason: Vec<(&str, Vec<&str>)> = Vec::new();
     for Unreadable { path, message } in files {
@@ -44,7 +44,7 @@ pub(super) fn lines(files: &[Unreadable]) -> Vec<String> {
     by_reason.into_iter().map(line).collect()
 }
 
-/// The number of files with each extension, the most frequent first.
+/// The number of files with each extension, starting with the most frequent.
 fn extensions(paths: &[&str]) -> String {
     let mut counts: BTreeMap<String, u64> = BTreeMap::new();
     for path in paths {

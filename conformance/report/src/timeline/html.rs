@@ -1,7 +1,7 @@
 //! The timeline as an HTML page with a picture: lanes over time.
 //!
-//! The page requires no network. Its only script zooms the picture and switches the language; the content security policy
-//! permits this script by its hash, and nothing else. Without the script, the page shows the whole flight.
+//! The page requires no network. Its only script zooms the picture and switches the language. The content security
+//! policy permits only this script, by its hash. Without the script, the page shows the whole flight.
 
 mod picture;
 #[cfg(test)]
@@ -20,7 +20,7 @@ use super::{
 use crate::html::{page_foot, page_head};
 use crate::outcome::capitalized;
 
-/// The style sheet of the picture, which follows the style sheet of all reports.
+/// The style sheet of the picture. It is added after the style sheet of all reports.
 const STYLE: &str = include_str!("html/timeline.css");
 
 /// The script, which is embedded in the page.
@@ -60,7 +60,7 @@ pub fn to_html(timeline: &Timeline, language: &str, command: &str) -> String {
     guarded(&page.into_string()).into_owned() + "\n"
 }
 
-/// The style sheet, with a rule for each language: it hides the labels in other languages.
+/// The style sheet. For each language, it contains a rule that hides the labels in other languages.
 fn styles(timeline: &Timeline) -> String {
     let hide = |tag: &str| {
         format!("[data-language=\"{tag}\"] [data-label]:not([data-label=\"{tag}\"]) {{ display: none; }}\n")
@@ -69,7 +69,7 @@ fn styles(timeline: &Timeline) -> String {
     STYLE.to_owned() + &hidden
 }
 
-/// The tag and the name of each language, English first.
+/// The tag and the name of each language, starting with English.
 fn languages(timeline: &Timeline) -> impl Iterator<Item = (&str, &str)> {
     let others = timeline.languages.iter().map(|(tag, name)| (tag.as_str(), name.as_str()));
     std::iter::once(ENGLISH).chain(others)
@@ -132,7 +132,7 @@ fn controls(timeline: &Timeline, language: &str) -> Markup {
     }
 }
 
-/// A label in all languages. A label without translations is in English.
+/// A label in all languages. If there are no translations, only in English.
 fn label(label: &Label, timeline: &Timeline) -> Markup {
     html! {
         @if label.translations.is_empty() {

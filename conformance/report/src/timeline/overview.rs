@@ -15,12 +15,12 @@ pub(super) fn sentences(overview: &Overview, language: &str) -> Vec<String> {
     sentences.into_iter().map(|(_, sentence)| sentence).collect()
 }
 
-/// A question about a capture: why the vehicle couldn't arm.
+/// The question why the vehicle couldn't arm.
 #[derive(Clone, Debug, Default)]
 pub struct WhyNotArm {
-    /// The time since the start, in µs. `None` asks about the whole capture.
+    /// The time that the question is about, in µs since the start. `None` means the whole capture.
     pub time_us: Option<i64>,
-    /// The name of a mode. `None` asks about the modes that the vehicle was in.
+    /// The name of the mode that the question is about. `None` means the modes that the vehicle was in.
     pub mode: Option<String>,
 }
 
@@ -48,7 +48,7 @@ impl WhyNotArm {
     }
 }
 
-/// Joins consecutive refusals of the same mode. The result has all of their reasons.
+/// Joins consecutive refusals in the same mode. A joined refusal has the reasons of all of them.
 fn joined<'o>(refusals: impl Iterator<Item = &'o Refusal>) -> Vec<Refusal> {
     let mut joined: Vec<Refusal> = Vec::new();
     for refusal in refusals {
@@ -74,7 +74,7 @@ fn refusal(refusal: &Refusal, language: &str) -> String {
     format!("Couldn't arm in {}{from} until {until}: {reasons}.", label(&refusal.mode, language))
 }
 
-/// The time of the first step of a flight.
+/// The time of the first event in a flight.
 fn start(flight: &Flight) -> i64 {
     let steps = flight.takeoffs_us.iter().chain(&flight.landings_us).chain(&flight.disarmed_us);
     flight.armed_us.or_else(|| steps.min().copied()).unwrap_or(i64::MIN)
@@ -106,7 +106,7 @@ fn flight(flight: &Flight, language: &str) -> String {
     format!("{}{rest}.{air}", first.to_uppercase())
 }
 
-/// The time between takeoffs and landings, in µs. `None` if they aren't all known.
+/// The total time between takeoffs and landings, in µs. `None` if they aren't all known.
 fn airtime(flight: &Flight) -> Option<u64> {
     let Flight { takeoffs_us: takeoffs, landings_us: landings, .. } = flight;
     if takeoffs.is_empty() || takeoffs.len() != landings.len() {

@@ -14,7 +14,7 @@ use super::{
 /// The width of the column with times.
 const TIMES: usize = 12;
 
-/// The timeline as text. `language` is the tag of the labels' language.
+/// The timeline as text. `language` is the tag of the language of the labels.
 pub fn to_text(timeline: &Timeline, language: &str) -> String {
     let sections = [
         vec![paragraph(&head(timeline))],
@@ -68,14 +68,15 @@ fn changes(timeline: &Timeline, language: &str) -> Vec<String> {
     lines.collect()
 }
 
-/// The modes or components of a report that change to the same state at the same time share a line.
+/// A key that is equal for modes or components in a report that change to the same state at the same time. They share a
+/// line.
 fn key<'e>(entry: &Entry<'e>) -> Option<(i64, Option<&'e Label>, &'e [Part])> {
     let Entry { lane, change, value } = *entry;
     let is_check = lane.kind == LaneKind::Check;
     is_check.then_some((change.time_us, lane.group.as_ref(), value.parts.as_slice()))
 }
 
-/// The line of modes or components with the same state.
+/// The line for modes or components that have the same state.
 fn checks(entries: &[&Entry<'_>], language: &str) -> String {
     let name = |entry: &&Entry<'_>| {
         let label = entry.lane.label.as_ref();

@@ -1,6 +1,7 @@
-//! Reports in which every text from outside has the same content.
+//! Reports in which all untrusted texts are the same.
 //!
-//! The patterns name every field, so a new field doesn't compile until someone decides whether its text is untrusted.
+//! The patterns name every field, so that a new field causes a compile error until someone decides whether its text is
+//! untrusted.
 
 use std::collections::BTreeSet;
 use std::sync::OnceLock;
@@ -25,7 +26,7 @@ use uavspec_schema::translation::Translations;
 
 use crate::hostile::tested;
 
-/// Reports of each command, with a capture of each kind. Their structure doesn't depend on the text.
+/// Reports of each command, with captures of each kind. Their structure doesn't depend on the text.
 pub(super) fn reports(text: &str) -> Vec<Report> {
     static REPORTS: OnceLock<Vec<Report>> = OnceLock::new();
     let mut reports = REPORTS.get_or_init(without_text).clone();
@@ -291,7 +292,7 @@ fn definition_of(text: &str) -> Definition {
 }
 
 fn known_as(text: &str) -> Excuse {
-    // Links to web pages can be clicked, as the author of the list wishes.
+    // Links to web pages are clickable, because the author of the baseline added them.
     let link = Some(format!("javascript:{text}"));
     Excuse { kind: ExcuseKind::Known, reason: text.to_owned(), link, expires: None }
 }

@@ -14,8 +14,8 @@ pub struct Clues {
     pub formats: BTreeMap<String, FormatClue>,
     /// The types in a bag or of JSON messages, by full ROS name.
     pub types: BTreeMap<String, TypeClue>,
-    /// The versions of the types of PX4's topics in ROS, by full ROS name, or by topic if the type isn't stated.
-    /// Subscribers also show them.
+    /// The versions in the names of PX4's ROS topics, by the full ROS name of the type, or by topic if the type isn't
+    /// stated. They include the topics of subscribers.
     pub topic_versions: BTreeMap<String, BTreeSet<u32>>,
     /// The firmware's version, as two numbers.
     pub version: Option<(u8, u8)>,
@@ -61,7 +61,7 @@ pub struct TypeClue {
     pub size: Option<u64>,
     /// A message in JSON.
     pub json: Option<JsonClue>,
-    /// The versions in the names of PX4's topics with messages of this type.
+    /// The versions in the names of the PX4 topics that carry messages of this type.
     pub versions: BTreeSet<u32>,
 }
 
@@ -97,12 +97,13 @@ struct Match<'c> {
     by_keys: ReleaseSet,
     /// True if the capture doesn't indicate which of several definitions is meant.
     is_undecided: bool,
-    /// The releases of each definition that agrees, if the messages have no hash.
+    /// For each definition whose size agrees, the releases that contain it. `None` if the messages have a hash or are
+    /// JSON.
     by_size: Option<Vec<ReleaseSet>>,
 }
 
 impl Match<'_> {
-    /// True if the size of the messages doesn't indicate which definition of these releases is meant.
+    /// True if only the size of the messages is known, and it doesn't show which definition in these releases is meant.
     fn is_ambiguous(&self, releases: ReleaseSet) -> bool {
         let Some(definitions) = &self.by_size else { return false };
         let in_releases = definitions.iter().filter(|found| !found.intersection(releases).is_empty()).count();
@@ -112,8 +113,8 @@ impl Match<'_> {
 }
 
 impl Index {
-    /// Chooses a release of a family. `None` if the capture has no topic or type of the family, or if no release agrees
-    /// with it. `forced` is the release that the user requests.
+    /// Chooses the release of a family that a capture matches best. `None` if the capture has no topic or type of the
+    /// family, or if no release agrees with it. `forced` is the release that the user requests.
     pub(crate) fn choose(&self, clues: &Clues, family: Family, forced: Option<ReleaseId>) -> Option<Choice> {
         let own = self.all_of(family);
         let matches = self.matches(clues, own);
@@ -207,7 +208,8 @@ impl Index {
     }
 
     /// The definitions among `rows` that are closest to a JSON message, and the releases whose messages have the same
-    /// keys. These are the releases of all `rows`. Without a message, returns all `rows` and no releases.
+    /// keys. All `rows` have these keys, so these are their releases. Without a message, returns all `rows` and no
+    /// releases.
     fn closest<'i>(&self, rows: Vec<&'i Row>, message: Option<&JsonClue>) -> (Vec<&'i Row>, ReleaseSet) {
         let Some(message) = message else { return (rows, ReleaseSet::default()) };
         let by_keys = releases(&rows);
@@ -244,7 +246,7 @@ impl Index {
         rows.into_iter().filter(|row| counts.get(row.type_hash.as_str()) == min).collect()
     }
 
-    /// The number of types that have the version of their topics in a release.
+    /// The number of types whose version in this release is a version in the names of their topics.
     fn count_versions(&self, clues: &Clues, release: ReleaseId) -> usize {
         let has_version = |name: &str, versions: &BTreeSet<u32>| {
             self.named(name).any(|row| row.releases.contains(release) && versions.contains(&row.version))
@@ -252,8 +254,8 @@ impl Index {
         clues.topic_versions.iter().filter(|(name, versions)| has_version(name, versions)).count()
     }
 
-    /// The releases that agree with a capture as well as `release`. If the topics rule out other releases, releases
-    /// whose names denote no fixed state count only if no other release agrees as well.
+    /// The releases that agree with a capture as well as `release`. Releases whose content still changes are left out
+    /// if the topics rule out a fixed release and `release` is fixed.
     fn preferred(
         &self,
         family: Family,
@@ -396,12 +398,12 @@ mod tests {
         // Only PX4 1.15 has a VehicleStatus of this size.
         let decided = clues(&[("FailsafeFlags", 89), ("VehicleStatus", 86)]).expect("a release");
         assert_eq!((index.label(decided.release), decided.undecided.len()), ("px4@1.15".to_owned(), 0));
-        // No release has one of this size.
+        // No release has a VehicleStatus of this size.
         let unknown = clues(&[("VehicleStatus", 86), ("CpuLoad", 7), ("Cpuload", 7)]).expect("a release");
         assert_eq!(unknown.undecided, [name("Cpuload")].into());
     }
 
-    /// The messages on a vehicle that reports no hashes. DDS pads them to a multiple of four bytes.
+    /// The clues come from a vehicle that reports no hashes, and whose DDS pads messages to a multiple of four bytes.
     #[test]
     fn other_topics_decide_between_definitions_of_the_same_size() {
         let index = Index::built_in();
@@ -429,7 +431,7 @@ mod tests {
             (("FailsafeFlags", 100, None), ("VehicleStatus", 88, Some(4)), ("BatteryStatus", 180, Some(1)));
         assert_eq!(choose(&[flags, status, battery]), ("px4@1.18".to_owned(), 0));
         assert_eq!(choose(&[flags, battery]), ("px4@1.18".to_owned(), 0));
-        // PX4 1.18 and the main branch have flags of this size, and no topic indicates which of them it is.
+        // PX4 1.18 and the main branch have flags of this size, and no topic shows which of the two applies.
         assert_eq!(choose(&[flags, ("Cpuload", 20, None)]).1, 1);
         // No release with this status has flags of this size.
         assert_eq!(choose(&[("FailsafeFlags", 89, None), status]).1, 1);
@@ -524,7 +526,8 @@ mod tests {
         }
     }
 
-    /// If a JSON message fits several definitions, the newest one applies. Its integers must have the widest ranges.
+    /// If a JSON message fits several definitions, the newest one applies. It accepts older messages only if its
+    /// integers have the widest ranges.
     #[test]
     fn the_newest_of_similar_definitions_accepts_messages_of_older_ones() {
         let index = Index::built_in();

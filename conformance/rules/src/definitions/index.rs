@@ -11,7 +11,7 @@ use uavspec_schema::fingerprint::ros_name;
 use uavspec_schema::msg::Dialect;
 use uavspec_schema::{MessageId, Schema, SourceMap, read};
 
-/// The releases whose names denote no fixed state.
+/// The names of releases whose content still changes.
 const MOVING: [&str; 2] = ["main", "rolling"];
 
 /// A family of releases.
@@ -138,7 +138,7 @@ pub struct Index {
     by_topic: HashMap<String, Vec<usize>>,
     /// The indices of the rows, by name.
     by_name: HashMap<String, Vec<usize>>,
-    /// The definitions that were read, by type hash. Reading a release takes milliseconds.
+    /// The definitions that were read, by type hash. They are stored, because reading a release takes milliseconds.
     read: Mutex<HashMap<String, Option<Arc<ReadDefinition>>>>,
 }
 
@@ -217,7 +217,7 @@ impl Index {
         format!("{} {}", self.family(release).title(), self.release(release).name)
     }
 
-    /// True if the release's name denotes no fixed state.
+    /// True if the content of the release still changes, as on the main branch.
     pub fn is_moving(&self, release: ReleaseId) -> bool {
         MOVING.contains(&self.release(release).name)
     }
@@ -279,7 +279,7 @@ fn row(line: &str, ids: &HashMap<String, ReleaseId>) -> Option<Row> {
     })
 }
 
-/// The definitions of the newest release of ROS 2 whose name denotes a fixed state, as text.
+/// The text of the definitions in the newest ROS 2 release whose content no longer changes.
 pub fn newest_ros2() -> &'static str {
     static TEXT: LazyLock<String> = LazyLock::new(|| {
         let index = Index::built_in();

@@ -19,7 +19,7 @@ use crate::limits::MAX_STORED;
 /// The ROS package of PX4's messages.
 const PX4_ROS_PACKAGE: &str = "px4_msgs";
 
-/// The ROS package that a name denotes, since PX4's package is also named after its family.
+/// The ROS package that a name denotes. The name of the PX4 family denotes the package `px4_msgs`.
 pub fn ros_package(name: &str) -> &str {
     if name == Family::Px4.name() { PX4_ROS_PACKAGE } else { name }
 }
@@ -44,8 +44,8 @@ pub struct Library {
     stored: Mutex<HashMap<Key, Arc<Definitions>>>,
 }
 
-/// The content of definitions: the main releases, the messages of other releases, and the types that the capture doesn't
-/// decide.
+/// Identifies the loaded definitions: for each main release, the release itself, the types that come from other
+/// releases, and the undecided types.
 type Key = Vec<(ReleaseId, BTreeMap<String, ReleaseId>, BTreeSet<String>)>;
 
 impl Library {
@@ -97,7 +97,7 @@ impl Library {
         }
     }
 
-    /// Loads JSON Schemas for Flockwave message types without a definition from these folders.
+    /// Loads JSON Schemas from these folders, for Flockwave message types that have no definition.
     ///
     /// # Errors
     /// Fails if a schema can't be read or used.
@@ -138,7 +138,7 @@ impl Library {
         })
     }
 
-    /// The newest release of PX4 whose name denotes a fixed state.
+    /// The newest PX4 release whose content no longer changes.
     pub fn newest_px4(&self) -> Arc<Definitions> {
         let index = self.index();
         let newest = index.releases_of(Family::Px4).filter(|release| !index.is_moving(*release)).last();
@@ -166,7 +166,7 @@ impl Library {
         !self.is_fixed
     }
 
-    /// True if the user specifies the release of a family.
+    /// True if the user specified the release of this family.
     pub fn names_release(&self, family: Family) -> bool {
         self.forced.is_some_and(|(forced, _)| forced == family)
     }

@@ -11,8 +11,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     statement: "A response that contains a receipt precedes all notifications about that receipt.",
     source: source::DERIVED,
     applies_to: "ASYNC-* over time",
-    why: "The client does not know the receipt yet and drops the notification. The client then waits for \
-          a result that was already sent.",
+    why: "The client hasn't received the receipt yet and drops the notification. The client then waits \
+          for a result that was already sent.",
     example: r#"→ {"type":"UAV-RTH","ids":["uav-1"]}
 ← {"type":"ASYNC-RESP","id":"r8","result":true}
 ← {"type":"UAV-RTH","receipt":{"uav-1":"r8"}}"#,

@@ -11,8 +11,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
                 connection.",
     source: source::DERIVED,
     applies_to: "ASYNC-* over time",
-    why: "The client does not know the receipt and drops the notification. If the receipt belongs to \
-          another client, that client never gets its result.",
+    why: "The client does not recognize the receipt and drops the notification. If the receipt belongs \
+          to another client, that client never gets its result.",
     example: r#"(no response on this connection contained the receipt r99)
 ← {"type":"ASYNC-RESP","id":"r99","result":true}"#,
     fix: "Remember which connection started each operation, and send the operation's notifications only \

@@ -4,7 +4,7 @@ use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     id: "FW-ASY-16",
-    name: "Complete answer to cancel or resume",
+    name: "Complete answer to a cancel or resume request",
     level: Level::Info,
     status: Status::Advisory,
     statement: "Each receipt in an ASYNC-CANCEL or ASYNC-RESUME request is in exactly one of `success` \

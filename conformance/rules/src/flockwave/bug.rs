@@ -36,7 +36,7 @@ pub enum Needs {
     Login,
     /// A server that closes connections after some time.
     Farewell,
-    /// A client that waits for the end of operations for the default time.
+    /// A client that waits for operations to end for as long as it does by default.
     Patience,
 }
 

@@ -45,7 +45,7 @@ pub static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     Mutant::connection("a probe request without a response", "tcp#9", |session| {
         session.tries(&RULE.rule, "", json!({ "type": "SYS-VER" }));
     }),
-    Mutant::connection("a connection that the server closes in place of a response", "tcp#9", |session| {
+    Mutant::connection("a connection that the server closes instead of responding", "tcp#9", |session| {
         session.tries(&env_24::RULE.rule, "", json!({ "type": "RTK-SURVEY" }));
         session.closed("eof");
     }),

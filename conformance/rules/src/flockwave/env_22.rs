@@ -13,7 +13,7 @@ pub static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     level: Level::Info,
     status: Status::Advisory,
     statement: "After a malformed request, the server keeps serving the connection. Over HTTP, it answers \
-                the request itself, at least with a status from 200 to 499.",
+                the malformed request, at least with a status from 200 to 499.",
     source: source::DERIVED,
     applies_to: "probe requests that test this rule",
     why: "A server that mishandles a malformed request may end the client's session or hang for all clients.",

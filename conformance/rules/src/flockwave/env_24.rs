@@ -1,8 +1,8 @@
 //! `FW-ENV-24`.
 //!
 //! The probe sends requests of each family, and a request of an unknown type. A family counts as unhandled under two
-//! conditions. The server serves none of the family's requests on any connection, and refuses them in the same way as
-//! the request of an unknown type. ACK has no requests, so it is not tested. `FW-ENV-07` reports requests without a
+//! conditions: the server serves none of the family's requests on any connection, and it refuses them in the same way
+//! as the request of an unknown type. ACK has no requests, so it is not tested. `FW-ENV-07` reports requests without a
 //! response.
 //!
 //! A request that names objects may also be refused because the objects don't exist. Such a refusal counts only if its

@@ -14,8 +14,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     status: Status::Disputed(
         "For optional fields, the published JSON Schemas do not allow null, but the guidelines for \
          specification authors do. For timestamps other than those of weather data, the JSON Schemas \
-         allow any number; for coordinates and velocities, the tables in the text do. A longitude of 180° \
-         is allowed by the JSON Schema only. This rule reports all of these values.",
+         allow any number. For coordinates and velocities, the tables in the text allow any number. Only \
+         the JSON Schema allows a longitude of 180°. This rule reports all of these values.",
     ),
     statement: "A value is valid in every part of the specification. An optional field is omitted instead \
                 of null. Timestamps, coordinates and velocities are integers, and longitudes are less \
@@ -57,7 +57,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     Mutant::state("a longitude of 180°", |state| state["position"] = json!([0, 1_800_000_000])),
 ]);
 
-/// The longitude that the specification text excludes, as in a body.
+/// The longitude that the specification text excludes, as written in a body.
 const LONGITUDE_180: &str = "1800000000";
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {

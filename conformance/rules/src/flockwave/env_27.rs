@@ -4,8 +4,8 @@
 //! connection. These requests belong to this rule. The messages since the latest answered request are the suspects: one
 //! of them ended the service. Without a suspect, the server stopped by itself, which violates nothing.
 //!
-//! If there are several suspects, and the server serves again, the probe sends each of them alone. The finding then names
-//! the message that ended the service again.
+//! If there are several suspects, and the server serves again, the probe sends each of them alone. The finding then
+//! names the message that ends the service even if it is sent alone.
 
 use uavspec_flockwave::record::Direction;
 use uavspec_flockwave::session::message_excerpt;
@@ -63,7 +63,7 @@ const MAX_SUSPECTS: usize = 16;
 struct Suspects {
     /// The messages since the latest answered request.
     sent: Vec<Suspect>,
-    /// The suspects of the trial with this description.
+    /// The description of the latest control request, and the suspects at that time.
     blamed: (String, Vec<Suspect>),
     /// The suspects at the time when the server closed a connection. The probe may find out later that no other cause
     /// explains this end.
@@ -81,7 +81,7 @@ struct Unclear {
     location: Location,
     /// The suspects that were not sent again.
     left: Vec<String>,
-    /// True if the server serves after the latest suspect that was sent again.
+    /// True if the server still served requests after the latest suspect was sent again.
     is_served: bool,
 }
 
@@ -127,7 +127,7 @@ impl SessionCheck for Suspects {
 }
 
 impl Suspects {
-    /// Completes the finding with several suspects if none of them ended the service again.
+    /// Completes the finding with several suspects if none of them ended the service when it was sent alone.
     fn settle(&mut self, context: &mut RuleContext<'_>) {
         let unclear = self.unclear.take().filter(|unclear| unclear.left.is_empty() && unclear.is_served);
         if let Some(Unclear { subject, location, .. }) = unclear {

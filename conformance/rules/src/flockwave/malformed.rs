@@ -71,10 +71,10 @@ fn bodies(id: &str) -> Vec<(&'static str, Value)> {
         ("an empty type", json!({ "type": "" })),
         ("a type with ten thousand characters", json!({ "type": "X".repeat(LONG_LENGTH) })),
         ("missing ids", json!({ "type": "UAV-INF" })),
-        ("ids that are null", json!({ "type": "UAV-INF", "ids": null })),
-        ("ids that are a string", json!({ "type": "UAV-INF", "ids": "all" })),
-        ("ids that are an object", json!({ "type": "UAV-INF", "ids": { "id": 1 } })),
-        ("ids that are numbers", json!({ "type": "UAV-INF", "ids": [1, 2.5, -3] })),
+        ("`ids` that is null", json!({ "type": "UAV-INF", "ids": null })),
+        ("`ids` that is a string", json!({ "type": "UAV-INF", "ids": "all" })),
+        ("`ids` that is an object", json!({ "type": "UAV-INF", "ids": { "id": 1 } })),
+        ("numbers in the list of ids", json!({ "type": "UAV-INF", "ids": [1, 2.5, -3] })),
         ("a list nested in the list of ids", json!({ "type": "UAV-INF", "ids": [["uav"]] })),
         ("an empty id in the list of ids", json!({ "type": "UAV-INF", "ids": [""] })),
         ("a filter that is a string", json!({ "type": "OBJ-LIST", "filter": "uav" })),
@@ -83,7 +83,7 @@ fn bodies(id: &str) -> Vec<(&'static str, Value)> {
     bodies.into_iter().map(envelope).collect()
 }
 
-/// JSON that is not a message.
+/// JSON values that are not messages.
 fn no_messages() -> Vec<(&'static str, Value)> {
     vec![
         ("an empty object", json!({})),

@@ -1,6 +1,6 @@
 //! `FW-OBJ-LIST-04`.
 //!
-//! Objects come and go. An object of a filtered list therefore counts as missing only under two conditions. The
+//! Objects come and go. An object of a filtered list therefore counts as missing only under two conditions: the
 //! unfiltered lists before and after the filtered list are equal, and no notification in between reports the object as
 //! deleted. The rule compares the lists only if their times are known, and if the unfiltered lists are at most ten
 //! seconds apart.

@@ -53,7 +53,7 @@ impl<T: Default> PerConnection<T> {
         is_closed.then_some(state)
     }
 
-    /// The position of the state of the connection with an index.
+    /// The position of the state that belongs to the connection with this index.
     fn position(&self, index: usize) -> Option<usize> {
         self.0.iter().position(|(id, _)| id.index == index)
     }

@@ -221,7 +221,7 @@ impl Session {
         self.answers(&id, json!({ "error": { "code": 3, "message": "The licence can't be read" } }));
     }
 
-    /// The client logs in.
+    /// Adds the login of the client.
     pub(crate) fn logs_in(&mut self) {
         let login = json!({ "type": "AUTH-REQ", "method": "basic", "data": "d2luZDpoaWxs" });
         self.exchange_with(login, json!({ "type": "AUTH-RESP", "result": true, "user": "wind" }));

@@ -13,7 +13,7 @@ pub(super) const APPLIES_TO: &str = "probe requests that test this rule";
 /// The trial with the first request of a probe: the server must respond, but may demand a login.
 pub const BEFORE_LOGIN: &str = "before the login";
 
-/// The start of the reason for the end of a connection over UDP if no server listens on the port.
+/// The prefix of the reason why a UDP connection ended, if no server listens on the port.
 const REFUSED_DATAGRAM: &str = "connection refused";
 
 /// The name of the mutant without a response.
@@ -27,7 +27,7 @@ pub(super) fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     served(exchange, context);
 }
 
-/// The mutants of a rule that is only about the service, on a connection such as `tcp#9`.
+/// The mutants of a rule that only requires the server to serve a request. They use a connection such as `tcp#9`.
 pub(super) const fn mutants(connection: &'static str) -> [Mutant; 3] {
     [
         Mutant::unanswered(UNANSWERED, connection),

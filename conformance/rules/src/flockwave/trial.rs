@@ -9,12 +9,12 @@ use uavspec_model::Rule;
 
 use super::RULES;
 
-/// The start of the descriptions of a probe's control requests: after a trial, and after a request.
+/// The prefix of the description of a control request that a probe sends after a trial.
 pub const AFTER_TRIAL: &str = "after a trial: ";
-/// The start of the detail of a violation that follows a request.
+/// The prefix of the description of a control request that a probe sends after another request.
 pub const AFTER_REQUEST: &str = "after a request: ";
 
-/// The end of the description of a control request, if one message of a trial was sent again before it.
+/// The suffix of a control request's description, if the probe sent a single message of a trial again before it.
 pub const SENT_ALONE: &str = ", sent alone";
 
 /// A short pause between the parts of a message.
@@ -185,8 +185,8 @@ pub fn attempts(endpoint: &Endpoint) -> Vec<(&'static Rule, Attempt)> {
     all.into_iter().map(|(_, rule, attempt)| (rule, attempt)).collect()
 }
 
-/// The rule or the message type whose requests show a finding again: the rule that the request tests, or the type of
-/// the request.
+/// The rule or message type whose requests reproduce a finding: the rule that the request tests, or the type of the
+/// request.
 pub fn shown_by(exchange: &Exchange<'_>) -> Option<String> {
     let request = exchange.request.as_ref();
     let of_request =

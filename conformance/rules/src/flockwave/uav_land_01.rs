@@ -18,14 +18,14 @@ pub static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     statement: "A UAV in the air begins to descend within 3 s after the server accepts UAV-LAND for it.",
     source: source::DERIVED,
     applies_to: "UAV-LAND, UAV-INF over time",
-    why: "The operator believes that the UAV lands, but it keeps flying.",
+    why: "The operator believes that the UAV is landing, but it keeps flying.",
     example: r#"→ {"type":"UAV-LAND","ids":["uav-1"]}
 ← {"type":"UAV-LAND","result":{"uav-1":true}}
 ← {"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000}}}
 (4 s later)
 → {"type":"UAV-INF","ids":["uav-1"]}
 ← {"type":"UAV-INF","status":{"uav-1":{"timestamp":1790000004000,"position":[0,0,null,9000]}}}"#,
-    fix: "Make UAV-LAND end the takeoff and each other activity, or refuse the command in `error` while \
+    fix: "Make UAV-LAND end the takeoff and every other activity, or refuse the command in `error` while \
           the UAV can't land.",
 })
 .checks(&[Check::Session(|| Box::new(Descents::default()))])
@@ -40,7 +40,8 @@ pub static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
 /// The time for a UAV to begin to descend, in seconds.
 const REACTION: f64 = 3.0;
 
-/// The height in mm above the home position from which a UAV has to descend, and the change of height that is a descent.
+/// The minimum height above the home position from which a UAV has to descend, and the loss of height that counts as a
+/// descent, both in mm.
 const IN_AIR: i128 = 1_500;
 const DESCENT: i128 = 200;
 
@@ -123,7 +124,7 @@ impl SessionCheck for Descents {
     }
 }
 
-/// Notes the UAVs for which a response or the end of an operation accepts UAV-LAND.
+/// Updates the UAVs whose UAV-LAND is accepted or refused by a response or by the end of an operation.
 fn accept(landings: &mut BTreeMap<String, Landing>, exchange: &Exchange<'_>, now: f64) {
     let answer = exchange.body_of("UAV-LAND").filter(|_| exchange.role == Role::Response);
     for (uav, result) in body::members(answer, "result") {
@@ -171,7 +172,7 @@ enum Progress {
 }
 
 impl Landing {
-    /// Takes a state of the UAV.
+    /// Processes a state of the UAV. Returns the progress of the landing that it shows.
     fn see(&mut self, state: &Tree<'_>, now: f64, context: &mut RuleContext<'_>) -> Progress {
         let Some(since) = self.accepted else { return Progress::Undecided };
         let Some((timestamp, height)) = timestamp_and_height(state) else { return Progress::Settled };

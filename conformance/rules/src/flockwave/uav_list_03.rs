@@ -1,6 +1,6 @@
 //! `FW-UAV-LIST-03`.
 //!
-//! UAVs come and go. A UAV therefore counts as missing from UAV-INF only under two conditions. The lists before and
+//! UAVs come and go. A UAV therefore counts as missing from UAV-INF only under two conditions: the lists before and
 //! after UAV-INF contain the UAV, and no OBJ-DEL in between names the UAV.
 
 use std::collections::BTreeSet;

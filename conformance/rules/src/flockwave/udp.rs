@@ -29,7 +29,7 @@ const MAX_TRIALS: usize = 64;
 /// The trial outcomes for a rule, by connection and description.
 #[derive(Default)]
 pub(super) struct Trials {
-    /// True to report violations even if the server never sent anything over UDP.
+    /// True if violations are reported even if the server never sends anything over UDP.
     is_silence_reported: bool,
     /// True if the server sent something over UDP.
     has_received: bool,

@@ -32,7 +32,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
 .mutants(&[
     Mutant::state("a timestamp in seconds", |state| state["timestamp"] = json!(1_790_000_000))
         .also(&[&uav_inf_08::RULE.rule]),
-    Mutant::connection("a server time since the start of the server", "tcp#9", |session| {
+    Mutant::connection("a server time measured from the start of the server", "tcp#9", |session| {
         session.exchange(json!({ "type": "SYS-TIME" }), json!({ "timestamp": 1 }));
     }),
     Mutant::notice("a connection timestamp in seconds", "CONN-INF", |body| {

@@ -8,8 +8,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     name: "Time of weather data",
     level: Level::Must,
     status: Status::Normative,
-    statement: "The `timestamp` of weather data is an integer: the milliseconds since 1970. It is from \
-                2001 to 2099.",
+    statement: "The `timestamp` of weather data is an integer number of milliseconds since 1970. The \
+                time is from 2001 to 2099.",
     source: source::TYPES,
     applies_to: "WTH-AT, WTH-INF",
     why: "Clients compute the age of the weather data from this timestamp. Without a valid timestamp, old \
@@ -53,7 +53,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     }),
 ]);
 
-/// The subject of all findings: the same clock sets the timestamps of both messages.
+/// The subject of all findings. Both message types share it, because the same clock sets their timestamps.
 const SUBJECT: &str = "Weather.timestamp";
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
@@ -77,6 +77,7 @@ fn check_timestamp(message: &Message<'_>, context: &mut RuleContext<'_>, weather
     }
     message.violates_as(SUBJECT, context, || {
         let found = found.map_or_else(|| "nothing".to_owned(), ToString::to_string);
-        Detail::differs("an integer of milliseconds since 1970, from 2001 to 2099", found).at(pointer(path))
+        Detail::differs("an integer number of milliseconds since 1970, from 2001 to 2099", found)
+            .at(pointer(path))
     });
 }

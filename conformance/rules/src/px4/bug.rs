@@ -93,7 +93,7 @@ impl Sent {
     }
 }
 
-/// Copies the members and items that two values have in common.
+/// Copies values from `from` to `into`, but only for the members and items that `into` already has.
 pub fn merge(into: &mut Value, from: &Value) {
     match (into, from) {
         (Value::Object(into), Value::Object(from)) => {

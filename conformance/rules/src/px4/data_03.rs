@@ -49,7 +49,7 @@ impl Checker for Instances {
         Interest::Nothing
     }
 
-    /// An unsubscribed instance may be subscribed again, with any id.
+    /// Removes an unsubscribed instance, because it may be subscribed again with any id.
     fn closed(&mut self, channel: &Channel<'_>) {
         let Some(multi_id) = channel.multi_id else { return };
         let key = (channel.topic.to_owned(), multi_id);

@@ -16,9 +16,9 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
     why: "A ground station shows nothing for an event without metadata. If it is the reason why the \
           vehicle can't arm, the operator sees no reason.",
     example: "{…, \"id\": 16909060, …}        (component 1 has no event 131844)",
-    fix: "Add the event to the metadata: PX4's build collects it from the call of `events::send` or \
-          from the comment above it. Add the events of external components to the same file; \
-          `--events` applies only to captures without metadata.",
+    fix: "Add the event to the metadata: PX4's build collects it from the call to `events::send` or from \
+          the comment above it. Add the events of external components to the same file; `--events` \
+          applies only to captures without metadata.",
 })
 .check(Check::State(|| {
     Box::new(Each(|event, events| {
@@ -32,13 +32,13 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
     out.edit(1, |reply: &mut ArmingCheckReply| reply.events[0].id = UNKNOWN);
 }))
 .mutants(&[
-    Mutant::flight_in("an event that the metadata lacks", &[Encoding::Ulog], |flight| {
+    Mutant::flight_in("an event that is missing from the metadata", &[Encoding::Ulog], |flight| {
         flight.with_event(3, |event| event["id"] = UNKNOWN.into())
     }),
-    Mutant::flight_in("a reason that the metadata lacks", &[Encoding::Ulog], |flight| {
+    Mutant::flight_in("a reason that is missing from the metadata", &[Encoding::Ulog], |flight| {
         flight.with_refusal(|reply| reply["events"][0]["id"] = UNKNOWN.into())
     }),
 ]);
 
-/// No component of the sample has an event with this id.
+/// An event id that no component of the sample uses.
 const UNKNOWN: u32 = 0x0102_0304;

@@ -7,13 +7,13 @@ use super::prelude::*;
 
 pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
     id: "PX-EVT-03",
-    name: "Bytes after the arguments of events",
+    name: "Bytes after event arguments",
     level: Level::Should,
     status: Status::Normative,
     statement: "The bytes after the arguments of an event are zero.",
     source: "event metadata (`arguments`), and PX4's function `events::send`",
     applies_to: "message values",
-    why: "If other bytes follow, the sender has written other arguments than the metadata describes, and \
+    why: "If other bytes follow, the sender has written arguments that differ from the metadata, and \
           ground stations show wrong values. For example, padding shifts all later arguments.",
     example: "arguments in the metadata: uint32_t modes, uint8_t component, uint8_t sensor\n\
               bytes:                     ff ff 00 00 00 00 03 02 00 …   (shifted by two)",
@@ -25,11 +25,11 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
         let rest = event.used().get(known.size()..).filter(|rest| !rest.is_empty())?;
         let bytes: Vec<String> = rest.iter().map(|byte| format!("{byte:02x}")).collect();
         let text =
-            format!("the {} bytes of arguments of {} are followed by others", known.size(), known.name);
+            format!("the {} argument bytes of {} are followed by nonzero bytes", known.size(), known.name);
         Some(("arguments", Detail::new(text).expected("only zeros").actual(bytes.join(" "))))
     }))
 }))
-.bug(Bug::message(Side::Component, "The arguments of the reason are two bytes too far back.", |out| {
+.bug(Bug::message(Side::Component, "The arguments of the reason are shifted by two bytes.", |out| {
     out.edit(1, |reply: &mut ArmingCheckReply| reply.events[0].arguments.rotate_right(2));
 }))
 .mutants(&[

@@ -11,7 +11,7 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
     level: Level::Should,
     status: Status::Normative,
     statement: "An argument whose type is an enum has one of its values. Bit fields aren't checked, \
-                because PX4 sets bits of modes without a name.",
+                because PX4 sets bits of unnamed modes.",
     source: "event metadata (`enums`)",
     applies_to: "message values",
     why: "Ground stations show `(unknown: 99)`, so the operator doesn't see what the value means.",
@@ -27,7 +27,8 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
             };
             let is_known =
                 known.separator.is_some() || known.entries.iter().any(|entry| entry.value == *value);
-            let text = || format!("{} of {} is no value of {}", argument.name, event.event.name, known.name);
+            let text =
+                || format!("{} of {} is not a value of {}", argument.name, event.event.name, known.name);
             (!is_known).then(|| ("arguments", Detail::new(text()).actual(value.to_string())))
         })
     }))

@@ -19,7 +19,7 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
     fix: "Check the load of the logger, and the queue length of the topic `event`.",
 })
 .check(Check::State(|| Box::new(Numbers::default())))
-.mutants(&[Mutant::flight_in("an event that the log lacks", &[Encoding::Ulog], |flight| {
+.mutants(&[Mutant::flight_in("an event that is missing from the log", &[Encoding::Ulog], |flight| {
     let mut changed = flight.clone();
     changed.messages.remove(flight.last_event(3)?);
     // The log ends with a later event.

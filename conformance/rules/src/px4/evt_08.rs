@@ -17,8 +17,8 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
                 same arming state and the same reason.",
     source: "`arming_state`, `latest_arming_reason` and `latest_disarming_reason` of VehicleStatus",
     applies_to: "logs",
-    why: "Tools that read the state and ground stations that show events tell the operator different \
-          things.",
+    why: "Tools that read the state and ground stations that show events give the operator contradictory \
+          information.",
     example: "10.486 s commander_disarmed_by: 6 (landing)\n\
               10.486 s vehicle_status.latest_disarming_reason: 8",
     fix: "Before the event is sent, set the reason in VehicleStatus to the number in the event.",
@@ -31,7 +31,8 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
     }),
 ]);
 
-/// The facts in the first instances of both topics.
+/// Compares events about arming with the vehicle states that follow them. Only the first instances of both topics
+/// count.
 #[derive(Default)]
 struct Changes {
     /// The latest event that no state has followed yet, with its time in µs.
@@ -82,10 +83,10 @@ impl Checker for Changes {
     }
 }
 
-/// The topic of the state.
+/// The topic with the vehicle states.
 const STATUS: &str = "vehicle_status";
 
-/// The change in an event.
+/// The arming or disarming that a message reports. `None` if it contains another event.
 fn change(
     channel: &Channel<'_>,
     values: DynamicView<'_>,

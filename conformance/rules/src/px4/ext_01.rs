@@ -31,7 +31,7 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
 .check(Check::State(|| Box::new(Talk::<Answers>::default())))
 .bug(Bug::message(
     Side::Component,
-    "After every fifth ArmingCheckReply, the component answers the request seven before again.",
+    "After every fifth ArmingCheckReply, the component replies again to the request seven requests earlier.",
     |out| {
         out.follow(5, |reply: &mut ArmingCheckReply| reply.request_id = reply.request_id.wrapping_sub(7));
     },

@@ -2,7 +2,7 @@
 //!
 //! An id may have been assigned before the capture started. An unknown id is therefore wrong only if the capture
 //! contains all registrations. A flight controller sends requests at regular intervals while at least one component is
-//! registered. All registrations are therefore known under two conditions. A registration precedes the first request by
+//! registered. All registrations are therefore known under two conditions: a registration precedes the first request by
 //! at most [`STARTUP_TIME`], and the request's mask contains only ids whose registration is in the capture. The mask
 //! alone proves nothing, because it omits slow components. An old registration proves nothing either, because a log
 //! starts with the latest message of each topic.
@@ -38,7 +38,7 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
 .check(Check::State(|| Box::new(Talk::<Registrations>::default())))
 .bug(Bug::message(
     Side::Component,
-    "After every fifth ArmingCheckReply, the component sends another with `registration_id` 255.",
+    "After every fifth ArmingCheckReply, the component sends another one with `registration_id` 255.",
     |out| {
         out.follow(5, |reply: &mut ArmingCheckReply| reply.registration_id = u8::MAX);
     },
@@ -56,7 +56,7 @@ const MAX_REGISTRATION_ID: u8 = 127;
 /// The maximum time from the first registration to the first request, in µs: twice PX4's request interval.
 const STARTUP_TIME: u64 = 600_000;
 
-/// If a component whose id was released sends no further reply during this many requests, it counts as gone.
+/// The number of requests after which a component whose id was released counts as gone, if it sends no further reply.
 const REQUESTS_TO_WAIT: u8 = 3;
 
 /// The state of an id.
@@ -184,7 +184,7 @@ impl Listener for Registrations {
         }
     }
 
-    /// Registrations may be among the lost messages.
+    /// Resets everything. Registrations may be among the lost messages, so unknown ids are no longer reported.
     fn forget(&mut self) {
         *self = Self { whole: Whole::No, ..Self::default() };
     }
@@ -244,7 +244,7 @@ impl Registrations {
         }
     }
 
-    /// Reports the suspected components that did not reply again before this request.
+    /// Reports the suspected components that have not replied again during the latest [`REQUESTS_TO_WAIT`] requests.
     fn check_suspects(&mut self, request_id: u8, context: &mut RuleContext<'_>) {
         let is_next = self.request_id.is_some_and(|latest| latest.wrapping_add(1) == request_id);
         if !is_next {

@@ -121,7 +121,8 @@ impl Listener for Silence {
         sent.answered.insert(id);
     }
 
-    /// A new component may have the former id of another component. An unregistered component need not answer.
+    /// Marks an id as registered, and restarts its counts, because the id may have belonged to another component
+    /// before.
     fn registered(&mut self, id: u8, _: Option<u64>) {
         self.registered.insert(id);
         self.restart(id);

@@ -84,7 +84,7 @@ impl Listener for Repetitions {
         }
     }
 
-    /// The id may belong to another component now.
+    /// Removes the replies with a newly registered id, because the id may have belonged to another component before.
     fn registered(&mut self, id: u8, _: Option<u64>) {
         self.replies.retain(|reply| reply.registration_id != id);
     }

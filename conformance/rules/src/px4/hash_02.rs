@@ -23,12 +23,12 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
     name: "Definitions of an application",
     level: Level::Must,
     status: Status::Normative,
-    statement: "An application has the flight controller's definition of each topic: PX4's hash of the \
-                application's definition is the `message_hash` of the MessageFormatResponse.",
+    statement: "An application uses the flight controller's definition of each topic: PX4's hash of the \
+                application's definition equals the `message_hash` of the MessageFormatResponse.",
     source: "`message_hash` of MessageFormatResponse; px4_ros2 compares it before it registers a mode",
     applies_to: "a vehicle and the application that the user names",
-    why: "PX4 doesn't send the definitions of its messages. An application with other definitions decodes \
-          garbage, and the flight controller decodes garbage from it.",
+    why: "PX4 doesn't send the definitions of its messages. If an application has different definitions, \
+          it and the flight controller decode each other's messages as garbage.",
     example: "→ MessageFormatRequest  {\"topic_name\": \"/fmu/out/vehicle_status\", …}\n\
               ← MessageFormatResponse {\"topic_name\": \"/fmu/out/vehicle_status\", \
               \"message_hash\": 2777220878, …}\n\
@@ -136,7 +136,7 @@ impl Difference {
         versioned(&self.topic, self.ty.version)
     }
 
-    /// `other` is the vehicle's topic if the application's topic doesn't exist.
+    /// Describes the difference. `other` is the vehicle's topic, if the application's topic doesn't exist.
     fn detail(&self, other: Option<&String>) -> Detail {
         let Self { ty, hash, .. } = self;
         let [own, vehicle] = [ty.hash, *hash].map(|hash| released_type(&ty.name, hash));
@@ -160,12 +160,13 @@ impl Difference {
 }
 
 fn origin(ty: Option<&ReleasedType>) -> String {
-    ty.map_or("a definition of no known release".to_owned(), |ty| {
+    ty.map_or("a definition that matches no known release".to_owned(), |ty| {
         format!("the definition of {}", ty.releases())
     })
 }
 
-/// The effect of differences between two texts that PX4's hash covers. CDR contains the values in this order.
+/// The effect of the differences between two texts that PX4's hash covers. CDR contains the values in the order of
+/// these texts.
 fn effect(own: &str, vehicle: &str) -> String {
     let types =
         |text: &str| text.lines().filter_map(|line| line.split(' ').next()).map(str::to_owned).collect();

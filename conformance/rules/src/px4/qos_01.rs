@@ -26,7 +26,7 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
 .check(Check::State(|| Box::new(Pairs::new(violations))))
 .bug(Bug::reliable_subscriber(
     Side::Component,
-    "The component requests reliable delivery of arming_check_request, and receives none.",
+    "The component requests reliable delivery of arming_check_request, and receives no messages.",
 ))
 .mutants(&[
     Mutant::mcap("a subscriber that requests reliable delivery", |_, bag| {
@@ -76,7 +76,7 @@ impl Conflict {
     }
 }
 
-/// The policies for which less is offered than requested.
+/// The policies for which a publisher offers less than a subscriber requests.
 fn conflicts(offered: &Qos, requested: &Qos) -> Vec<Conflict> {
     let time =
         |time: Option<Duration>| time.map_or_else(|| "unlimited".to_owned(), |time| format!("{time:?}"));
@@ -115,7 +115,7 @@ fn conflicts(offered: &Qos, requested: &Qos) -> Vec<Conflict> {
     conflicts.map(|(policy, _, (offered, requested))| Conflict { policy, offered, requested }).collect()
 }
 
-/// Adds a subscriber of the first topic with a publisher.
+/// Adds a subscriber to the topic of the first endpoint.
 fn with_subscriber(mut bag: Bag, qos: Qos) -> Bag {
     if let Some(publisher) = bag.endpoints.first().cloned() {
         bag.endpoints.push(Endpoint {

@@ -14,10 +14,10 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
     status: Status::Normative,
     statement: "The `timestamp` field does not decrease from one message of a subscription to the next. A \
                 timestamp may repeat, and it may be 0. In bags and JSON, only the topics in `/fmu/out/` \
-                are checked: other topics may have several instances or publishers. There, PX4 may set \
-                its clock. Therefore, an earlier timestamp is a violation only if the step back is less \
-                than an hour, the next message is not earlier than the message before the step, and the \
-                time from the early timestamp to the next one is longer than the pause between the two \
+                are checked: other topics may have several instances or publishers. Because PX4 may set \
+                its clock, an earlier timestamp there is a violation only if the step back is less than \
+                an hour, the next message is not earlier than the message before the step, and the time \
+                from the early timestamp to the next one is longer than the pause between the two \
                 messages. Messages of a bag are compared only in the order of their log times.",
     source: "uORB publishes in order; `timestamp` is the time since system start",
     applies_to: "message sequences",
@@ -40,8 +40,9 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
     back,
 )]);
 
-/// The greatest step back of a message whose time is wrong, in µs. PX4 sends the time since 1970 once its clock is
-/// synchronised with the computer's clock, and the time since boot before that.
+/// The smallest change of time, in µs, that means that the clock was set. A smaller step back means that a time is
+/// wrong. PX4 sends the time since 1970 once its clock is synchronised with the computer's clock, and the time since
+/// boot before that.
 const MAX_STEP: u64 = 3_600_000_000;
 
 #[derive(Default)]
@@ -77,15 +78,15 @@ struct Early {
 }
 
 impl Early {
-    /// The difference to the time of the previous message, in µs.
+    /// The difference from the time of the previous message, in µs.
     const fn step(self) -> u64 {
         self.previous - self.timestamp
     }
 
-    /// True if only the time of this message is wrong. If the clock was set back, the next message is later by the
-    /// pause between the two messages. Otherwise, it is later by this pause, the step and the pause before this
-    /// message. The limit is halfway between these values, because times vary. `pause` is the longest recent pause. Log
-    /// times show longer pauses.
+    /// True if only the time of this message is wrong, which the time of the next message shows. If the clock was set
+    /// back, the next message is later by the pause between the two messages. Otherwise, it is later by the sum of this
+    /// pause, the step back and the pause before this message. The limit is halfway between these values, because times
+    /// vary. `pause` is the longest recent pause. Log times show longer pauses.
     fn is_alone(self, next: u64, logged: Option<u64>, pause: u64) -> bool {
         let passed = self.logged.zip(logged).map_or(0, |(early, next)| next.saturating_sub(early));
         let longest = passed.max(pause).saturating_add(u64::midpoint(pause, self.step()));

@@ -48,7 +48,7 @@ struct Gaps {
     latest: PerChannel<u64>,
     /// The time of the latest message of any channel.
     now: u64,
-    /// A dropout excuses pauses that start before this time.
+    /// Pauses that start before this time are excused, because of a dropout.
     excused_until: u64,
 }
 
@@ -56,14 +56,16 @@ struct Gaps {
 /// by at most a small step, so rare long pauses have little effect.
 #[derive(Clone, Default)]
 struct Rhythm {
-    /// Set if log times are known. Logs have none, and contain so many messages that separate memory pays off.
+    /// Set if log times are known, as in bags. `ULog` files lack them, and have so many messages that a small `Rhythm`
+    /// pays off.
     order: Option<Box<Order>>,
-    /// `None` until the topic had a regular period.
+    /// `None` until the topic has shown a regular period.
     period: Option<u64>,
     first: Vec<u64>,
 }
 
-/// The order of the log times of a channel, and the results that don't count if there is no order.
+/// Tracks whether the messages of a channel are in the order of their log times, and stores the results, which don't
+/// count otherwise.
 #[derive(Clone, Default)]
 struct Order {
     /// The latest log time.

@@ -15,8 +15,8 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
     source: "DDS 1.4, 2.2.2.2; ROS 2 REP 2016 (RIHS01)",
     applies_to: "publishers and subscribers of a live vehicle",
     why: "Endpoints whose types have different names don't exchange messages. Endpoints with the same \
-          name and different definitions exchange messages, but decode wrong values. An application that \
-          was built for another PX4 release is the usual cause.",
+          name and different definitions exchange messages, but decode wrong values. The usual cause is \
+          an application that was built for another PX4 release.",
     example: "publisher  /fmu/out/vehicle_status: px4_msgs/msg/VehicleStatus, RIHS01_2f8a…\n\
               subscriber /fmu/out/vehicle_status: px4_msgs/msg/VehicleStatus, RIHS01_77c1…",
     fix: "Build the application with the message definitions of the vehicle's release, or run PX4's \

@@ -40,7 +40,7 @@ pub(super) fn fields(round: u64) -> [(&'static str, Value); 3] {
     [("id", id), ("arguments", arguments), ("event_sequence", round.into())]
 }
 
-/// Lets an event report why the vehicle can't arm.
+/// Makes an event report why the vehicle can't arm.
 pub(super) fn set_reason(event: &mut Value) {
     let [id, arguments] = of(&PROBLEM);
     (event["id"], event["arguments"]) = (id, arguments);

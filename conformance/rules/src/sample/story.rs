@@ -18,7 +18,7 @@ use crate::flockwave::sample::Session;
 /// The release of the vehicle's messages and events.
 const RELEASE: &str = "px4@1.15";
 
-/// The value of `ver_sw_release` in a log: version 1.15.0, as a release.
+/// The value of `ver_sw_release` in a log: the final release of version 1.15.0.
 const VERSION: u32 = 0x010f_00ff;
 
 /// The type of each topic, and the time between two messages, in seconds. Events have no period.
@@ -51,7 +51,7 @@ const SPEED: f64 = 2.0;
 const POSITION: u64 = 2;
 const RETURN: u64 = 5;
 
-/// The modes that fly without a position: Manual, Altitude, Acro and Stabilized.
+/// The modes that don't require a position: Manual, Altitude, Acro and Stabilized.
 const WITHOUT_POSITION: u32 = 1 | 1 << 1 | 1 << 10 | 1 << 15;
 
 /// The bit of GPS in [`HealthComponent`].

@@ -19,7 +19,7 @@ const SUBSCRIPTION_LIMIT: usize = 10_000;
 /// [`RESERVED_PATHS`].
 const TOTAL_PATHS: usize = 50_000;
 
-/// The number of paths to which a client may subscribe at any time.
+/// The number of paths to which each client may subscribe even if [`TOTAL_PATHS`] is reached.
 const RESERVED_PATHS: usize = 8;
 
 pub(super) fn answer(hub: &mut Hub, session: SessionId, request: Request) -> Answer {

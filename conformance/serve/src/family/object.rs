@@ -91,7 +91,8 @@ fn obey(uav: &mut Uav, command: &str, arguments: &[Value]) -> Result<String, Str
     }
 }
 
-/// A number of percent. Clients that read commands from a person send texts such as `90%`.
+/// Returns a percentage that is given as a number or as a string. Clients in which people type commands send strings
+/// such as `90%`.
 fn percentage(value: &Value) -> Option<f64> {
     let Value::String(text) = value else { return value.as_f64() };
     let text = text.trim();

@@ -57,7 +57,7 @@ fn set(hub: &mut Hub, id: &str, name: &str, value: &Value) -> Result<(), String>
     Ok(())
 }
 
-/// The number in a value. Clients that read parameters from text files send texts.
+/// Returns a number, or the number in a string. Clients that read parameters from text files send strings.
 fn number(value: &Value) -> Option<Value> {
     match value {
         Value::Number(_) => Some(value.clone()),

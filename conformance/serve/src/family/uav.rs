@@ -212,7 +212,7 @@ fn execute(hub: &mut Hub, session: SessionId, ids: Vec<ObjectId>, command: Comma
     })
 }
 
-/// Lands UAVs. With a bug, a UAV ignores the first command of a flight.
+/// Lands UAVs. With the FW-UAV-LAND-01 bug, each UAV ignores the first UAV-LAND of a flight.
 fn land(hub: &mut Hub, session: SessionId, ids: Vec<ObjectId>) -> CommandResults {
     let is_deaf = hub.has_bug(&uav_land_01::RULE);
     Outcomes::collect(ids, |id| {
@@ -225,7 +225,7 @@ fn land(hub: &mut Hub, session: SessionId, ids: Vec<ObjectId>) -> CommandResults
     })
 }
 
-/// The duration of a signal in seconds.
+/// Converts the duration of a signal to seconds. The default applies if there is none.
 fn signal(milliseconds: Option<f64>) -> Result<f64, String> {
     let Some(duration) = milliseconds else { return Ok(DEFAULT_SIGNAL) };
     let is_possible = (0.0..=3_600_000.0).contains(&duration);

@@ -46,7 +46,7 @@ pub(super) trait Protocol {
     /// Processes the next message.
     fn step(&mut self, shared: &mut Shared, outbox: &Rc<Outbox>) -> Step;
 
-    /// The memory of received bytes that were not processed.
+    /// The memory of received bytes that have not been processed yet.
     fn unfinished(&self) -> usize;
 
     /// Tells the client the reason, if the protocol permits it, and releases everything that belongs to the connection.

@@ -36,7 +36,7 @@ const READ_BUFFER: usize = 4 << 10;
 /// All sessions, by id.
 pub(super) type Sessions = BTreeMap<String, Rc<Session>>;
 
-/// Sends pings, and ends sessions that didn't respond to them.
+/// Sends pings, and ends sessions that have not responded to earlier ones.
 pub(super) fn tend(shared: &mut Shared) {
     let now = shared.now();
     let sessions: Vec<Rc<Session>> = shared.sessions.values().cloned().collect();
@@ -56,7 +56,7 @@ pub(super) fn close(shared: &Shared) {
     }
 }
 
-/// Opens a session. If there are too many, an idle session gives way.
+/// Opens a session. If there are too many, closes an idle session, or refuses the new one.
 fn open(shared: &mut Shared, revision: Revision) -> Result<Rc<Session>, Response> {
     let seats = shared.sessions.values().map(|session| (session, session.seat.get()));
     match admit(seats, CLIENT_LIMIT, shared.now()) {

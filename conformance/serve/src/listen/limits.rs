@@ -32,7 +32,8 @@ pub(super) const DATAGRAM_BUDGET: usize = 4 << 20;
 /// The maximum number of steps of one socket before others have their turn.
 pub(super) const STEPS_AT_ONCE: usize = 16;
 
-/// The time since its last request after which a client is idle. If the server is full, newcomers replace idle clients.
+/// The time without a request after which a client counts as idle. If the server is full, newcomers replace idle
+/// clients.
 pub(super) const IDLE_TIME: Duration = Duration::from_secs(10);
 
 /// The maximum time from the first to the last byte of a message.
@@ -61,10 +62,10 @@ pub(super) const DISCONNECTED: Reason = None;
 /// Too many messages wait to be sent, or they wait for too long.
 pub(super) const TOO_SLOW: Reason = Some("the client reads too slowly");
 
-/// The limit is [`MESSAGE_TIME`].
+/// A message was still incomplete after [`MESSAGE_TIME`].
 pub(super) const UNFINISHED: Reason = Some("a message wasn't finished in time");
 
-/// This client uses more than its share of [`TOTAL_RECEIVED`].
+/// The incomplete messages of this client use more than its share of [`TOTAL_RECEIVED`].
 pub(super) const TOO_MUCH: Reason = Some("unfinished messages use too much memory");
 
 /// The server can't serve another client.

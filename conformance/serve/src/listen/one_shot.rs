@@ -23,7 +23,7 @@ use crate::request::Incoming;
 /// The maximum time to wait for operations.
 const OPERATION_TIMEOUT: Duration = Duration::from_secs(20);
 
-/// The memory of an answer as parsed JSON, in multiples of its length.
+/// The memory that an answer takes as parsed JSON, as a multiple of the length of its text.
 const PARSED_SIZE: usize = 8;
 
 /// The id of requests without an envelope.

@@ -23,7 +23,7 @@ pub(super) struct Outbox {
     stream: Option<Rc<TcpStream>>,
     clock: Clock,
     pieces: RefCell<VecDeque<Vec<u8>>>,
-    /// The number of bytes of the first piece that were sent.
+    /// The number of bytes of the first piece that have already been sent.
     sent: Cell<usize>,
     share: Share,
     state: Cell<State>,

@@ -148,7 +148,7 @@ impl Reactor {
         has_accepted
     }
 
-    /// Serves a new connection. If there are too many, another connection gives way, or the new one is refused.
+    /// Serves a new connection. If there are too many, closes another one in its place, or refuses the new one.
     fn admit(&mut self, mut stream: TcpStream, transport: Transport) {
         let seats = self.connections.iter().map(|connection| connection.seat).enumerate();
         match admit(seats, self.limit, self.shared.now()) {

@@ -89,8 +89,8 @@ impl Datagrams {
         let mut count = 0;
         while count < STEPS_AT_ONCE {
             let received = self.socket.as_ref().and_then(|socket| socket.recv_from(&mut buffer).ok());
-            // Some systems report as an error that an earlier datagram was not delivered. More datagrams may follow in
-            // the next turn.
+            // Some systems return an error here if an earlier datagram could not be delivered. More datagrams may
+            // follow in the next turn.
             let Some((length, address)) = received else { break };
             self.take(shared, address, &buffer[..length]);
             count += 1;
@@ -130,7 +130,7 @@ impl Datagrams {
         self.clients.insert(address, Client { session, sink, last_active: now });
     }
 
-    /// Removes the client that gives way to a newcomer. Active clients give way as well, because a client over UDP can
+    /// Removes a client to make room for a newcomer. Active clients give way as well, because a client over UDP can
     /// always return.
     fn replace_one(&mut self, shared: &mut Shared) {
         let oldest = self.clients.iter().min_by_key(|(_, client)| client.last_active);

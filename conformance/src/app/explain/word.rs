@@ -7,7 +7,7 @@ use uavspec_schema::json_text;
 use crate::app::report::print_result;
 use crate::app::{Exit, Format, Status};
 
-/// Explains a word, based on all releases or on one. Errors are printed.
+/// Explains a word, based on all releases or on a single one. Prints errors.
 pub(super) fn explain_word(word: &str, release: Option<&str>, format: Format) -> Exit {
     let library = Library::built_in();
     let release = release.map(|label| find(&library, label)).transpose();

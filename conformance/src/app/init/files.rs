@@ -9,7 +9,7 @@ use uavspec_runtime::sources::{Dir, LICENCES, SOURCES};
 
 use crate::app::new_files::NewFiles;
 
-/// The folder of the copy of the crate `uavspec-runtime`.
+/// The folder for the copy of the crate `uavspec-runtime`.
 pub(super) const RUNTIME: &str = "uavspec-runtime";
 
 const COMMANDS: &str = "# Definitions and outputs of uavspec. Paths are relative to this folder.
@@ -19,8 +19,8 @@ const COMMANDS: &str = "# Definitions and outputs of uavspec. Paths are relative
 #   uavspec fmt        formats the definitions
 ";
 
-/// The root of the crate for the generated code. It exists before the code is generated, so that Cargo can run the
-/// generator.
+/// The root of the crate for the generated code. It exists before the code is generated, because Cargo needs it to run
+/// the generator.
 const MESSAGES: &str = "//! The messages in `uavspec.toml`.
 
 mod generated;
@@ -51,7 +51,7 @@ impl NewFiles {
         self.add("uavspec.toml", text);
     }
 
-    /// Adds a Cargo workspace with a crate for the generated code, and the crate that generated code requires.
+    /// Adds a Cargo workspace with two crates: one for the generated code, and one that the generated code depends on.
     pub(super) fn add_crate(&mut self) {
         self.new_folder = Some(RUNTIME);
         self.add("Cargo.toml", include_str!("workspace.toml"));
@@ -90,7 +90,7 @@ mod tests {
         fs::read_to_string(path).expect("a manifest").parse().expect("TOML")
     }
 
-    /// Replaces `workspace = true` with the value in the workspace.
+    /// Resolves `workspace = true` to the value in the workspace.
     fn resolved(value: &Value, shared: &Value) -> Value {
         let Some(members) = value.as_table().filter(|members| members.contains_key("workspace")) else {
             return value.clone();
@@ -108,7 +108,7 @@ mod tests {
         let copied = std::str::from_utf8(&copied.expect("a manifest").1).expect("UTF-8");
         let copied: Table = copied.parse().expect("TOML");
         let (own, root) = (manifest("generated/runtime/Cargo.toml"), manifest("Cargo.toml"));
-        // The weak features of `alloc` would make Cargo look for optional dependencies in a registry.
+        // The weak features in `alloc` would make Cargo look for optional dependencies in a registry.
         let mut features = own["features"].as_table().expect("features").clone();
         let weak = features.insert("alloc".to_owned(), Value::Array(Vec::new()));
         let weak = weak.expect("a feature").to_string();

@@ -13,7 +13,7 @@ use walkdir::WalkDir;
 
 use crate::app::{Status, library};
 
-/// The extensions of files that may name topics.
+/// The extensions of files that are searched for topic names.
 const EXTENSIONS: [&str; 11] = ["c", "cc", "cpp", "h", "hpp", "json", "launch", "py", "rs", "xml", "yaml"];
 
 /// The maximum number of bytes that are read from a file.
@@ -22,20 +22,20 @@ const MAX_SIZE: u64 = 1 << 20;
 /// The maximum number of files.
 const MAX_FILES: usize = 20_000;
 
-/// The parts of topic names that PX4's topics have in common.
+/// The folders in the names of PX4 topics.
 const FOLDERS: [&str; 2] = ["fmu/in/", "fmu/out/"];
 
 /// An application.
 pub(super) struct Application {
     /// The types of the topics that the application uses.
     pub types: Vec<ApplicationType>,
-    /// A note for the report if the application doesn't use all its types.
+    /// A note for the report, if the application doesn't use all types of its definitions.
     pub note: Option<String>,
 }
 
 impl Application {
-    /// Reads the definitions at a path or of a release. If files in the folder name topics of PX4, the application uses
-    /// only these.
+    /// Reads the definitions of a path or a release. If files in the folder name PX4 topics, the application uses only
+    /// these.
     pub(super) fn load(path: &Path) -> Result<Self, Status> {
         let definitions = library(Some(path), Some(Dialect::Px4), &[])?;
         let mut types = ApplicationType::all(&definitions.base().schema);
@@ -49,7 +49,7 @@ impl Application {
         types.retain(|ty| !ty.topics.is_empty());
         let count: usize = types.iter().map(|ty| ty.topics.len()).sum();
         let note = format!(
-            "only {} of the application that files in {} name can be compared",
+            "only {} of the application can be compared, because files in {} name no others",
             plural(count, "topic"),
             terminal::path(path)
         );
@@ -57,7 +57,8 @@ impl Application {
     }
 }
 
-/// The names of topics after `fmu/in/` and `fmu/out/` in the files of a folder, with and without versions.
+/// The names of topics after `fmu/in/` and `fmu/out/`, in the files of a folder. A name with a version is also included
+/// without the version.
 fn named_topics(folder: &Path) -> BTreeSet<String> {
     let files = WalkDir::new(folder).into_iter().filter_map(Result::ok).filter(|entry| {
         let extension = entry.path().extension().and_then(|extension| extension.to_str());
@@ -66,7 +67,7 @@ fn named_topics(folder: &Path) -> BTreeSet<String> {
     files.take(MAX_FILES).flat_map(|entry| topics_in(&start_of(entry.path()))).collect()
 }
 
-/// The first bytes of a file. Files that can't be read name no topics.
+/// The first bytes of a file. Empty if the file can't be read.
 fn start_of(path: &Path) -> Vec<u8> {
     let mut bytes = Vec::new();
     let read = File::open(path).and_then(|file| file.take(MAX_SIZE).read_to_end(&mut bytes));
@@ -84,7 +85,7 @@ fn topics_in(text: &[u8]) -> Vec<String> {
     names.filter(|name| !name.is_empty()).flat_map(with_unversioned).collect()
 }
 
-/// A name, and its part before the version.
+/// A name, and the name without its version if it has one.
 fn with_unversioned(name: String) -> Vec<String> {
     let unversioned = uavspec_rules::definitions::unversioned(&name).map(str::to_owned);
     std::iter::once(name).chain(unversioned).collect()

@@ -33,7 +33,7 @@ pub(super) struct VehicleArgs {
     /// Topics to receive, as a glob pattern (repeatable) [default: all].
     ///
     /// For example, '/fmu/out/*'. Publishers and subscribers of other topics are compared as well. A rosbridge server
-    /// without rosapi can't list its topics, so they must be named without patterns.
+    /// without rosapi can't list its topics, so give the full name of each topic instead of a pattern.
     #[arg(long, value_name = "GLOB", value_delimiter = ',')]
     topics: Vec<Glob>,
     /// Namespace of the vehicle, such as alpha for topics in /alpha/fmu [default: the namespace of the only vehicle].
@@ -67,7 +67,7 @@ fn roles() -> impl TypedValueParser<Value = Side> {
 }
 
 impl VehicleArgs {
-    /// The first given option.
+    /// The first of these options that is given.
     pub(super) fn given(&self) -> Option<&'static str> {
         first_given(&[
             ("--topics", !self.topics.is_empty()),
@@ -78,13 +78,13 @@ impl VehicleArgs {
         ])
     }
 
-    /// The names in `--topics` that aren't patterns.
+    /// The items of `--topics` that are names, not patterns.
     fn names(&self) -> Vec<String> {
         let names = self.topics.iter().map(Glob::glob).filter(|glob| !glob.contains(PATTERN));
         names.map(str::to_owned).collect()
     }
 
-    /// The patterns of `--topics`; `None` for all topics.
+    /// The patterns in `--topics`. `None` if all topics are received.
     fn selected(&self) -> Option<GlobSet> {
         let mut set = GlobSetBuilder::new();
         for glob in &self.topics {

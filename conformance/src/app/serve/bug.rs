@@ -14,22 +14,22 @@ use crate::app::Format;
 pub(super) struct ServedBug {
     id: &'static str,
     description: &'static str,
-    /// The other rules that the bug violates.
+    /// The other rules that the bug also violates.
     also: Vec<&'static str>,
-    /// The bug of a Flockwave server.
+    /// The bug of a Flockwave server that violates the rule.
     pub(super) of_server: Option<&'static FlockwaveRule>,
-    /// The bug of a participant of a vehicle's bus.
+    /// The bug of a reference PX4 participant that violates the rule.
     pub(super) of_vehicle: Option<&'static Bug>,
 }
 
 impl ServedBug {
-    /// The bug that violates a rule.
+    /// Finds the bug that violates a rule. The error describes the problem.
     pub(super) fn find(id: &str) -> Result<Self, String> {
         let bug = bugs().find(|bug| bug.id == id);
         bug.ok_or_else(|| "no bug violates this rule; --list-bugs lists all bugs".to_owned())
     }
 
-    /// The options that select the reference with this bug.
+    /// The options that run the reference with this bug. `None` if it is a Flockwave server.
     fn options(&self) -> Option<&'static str> {
         match self.of_vehicle?.side {
             Side::Autopilot => Some("--px4 URL"),
@@ -58,7 +58,7 @@ fn bugs() -> impl Iterator<Item = ServedBug> {
     flockwave::RULES.into_iter().map(of_server).chain(of_vehicles.map(of_vehicle))
 }
 
-/// An error if the reference doesn't have the bug.
+/// The error if the selected reference doesn't have the bug.
 pub(super) fn misplaced(args: &ServeArgs) -> Option<String> {
     let bug = args.bug.as_ref()?;
     let given = args.px4.as_ref().map(|_| if args.component { "--px4 URL --component" } else { "--px4 URL" });

@@ -13,7 +13,7 @@ use uavspec_schema::msg::Dialect;
 use super::{ServeArgs, bug, end_on_request};
 use crate::app::{Exit, Format, Status, library};
 
-/// Serves a reference participant until the time has passed or the end is requested.
+/// Runs a reference participant until the time has passed, or the end is requested.
 pub(super) fn serve_vehicle(args: &ServeArgs, address: &Address) -> Exit {
     let library = library(args.definitions.as_deref(), Some(Dialect::Px4), &[])?;
     let (side, name) =

@@ -32,10 +32,10 @@ use crate::app::{Exit, Status, explain, first_given, interrupt, library};
 /// The time after which --once prints the state of a live vehicle.
 const TIME: Duration = Duration::from_secs(5);
 
-/// The maximum time until the receiver of a live vehicle stops.
+/// The maximum time that the program waits for the receiver of a live vehicle to stop.
 const STOP_TIME: Duration = Duration::from_millis(500);
 
-/// True if the display has ended.
+/// Set to true when the display has ended.
 static IS_STOPPED: AtomicBool = AtomicBool::new(false);
 
 /// Arguments for PX4 vehicles.
@@ -54,7 +54,7 @@ pub(super) struct VehicleArgs {
     language: Option<String>,
     /// Print only why the vehicle can't arm, and exit.
     ///
-    /// The answer is in the health and arming reports on the topic `event`.
+    /// The answer comes from the health and arming reports on the topic `event`.
     #[arg(long)]
     why_not_arm: bool,
     /// Mode for --why-not-arm, such as posctl [default: all modes].
@@ -66,7 +66,7 @@ pub(super) struct VehicleArgs {
 }
 
 impl VehicleArgs {
-    /// The first given option.
+    /// The first of these options that is given.
     pub(super) fn given(&self) -> Option<&'static str> {
         first_given(&[
             ("--definitions", self.definitions.is_some()),
@@ -98,7 +98,7 @@ pub(super) fn watch_vehicle(args: &WatchArgs, address: &Address) -> Exit {
     });
     let status = show_or_print(args, &playback, &labels);
     IS_STOPPED.store(true, Ordering::Relaxed);
-    // The receiver removes its temporary file, if it stops in time.
+    // The receiver removes its temporary file if it stops in time.
     let clock = Clock::real();
     let is_finished = || receiver.is_finished().then_some(());
     let _ = clock.poll(clock.now() + STOP_TIME, Duration::from_millis(5), is_finished);
@@ -148,7 +148,7 @@ pub(super) fn watch_capture(args: &WatchArgs, path: &Path) -> Exit {
     show_vehicle(&playback, &labels)
 }
 
-/// Loads the definitions and texts. Errors are printed.
+/// Loads the definitions and texts. Prints errors.
 fn prepare(args: &WatchArgs, source: String) -> Result<(Library, Texts, Labels), Status> {
     let definitions = args.vehicle.definitions.as_deref();
     let library = args.vehicle.events.add_to(library(definitions, None, &[])?)?;
@@ -191,12 +191,12 @@ fn print_once(args: &WatchArgs, playback: &Playback, labels: &Labels) -> Exit {
     explain::check_mode(mode, &modes)?;
     print_result(&text)?;
     if is_empty {
-        return Err(failed(labels, "no message of the display's topics was received"));
+        return Err(failed(labels, "no message was received on the displayed topics"));
     }
     Ok(Status::Conforms)
 }
 
-/// Shows the vehicle until the user quits or the source turns out to be unreadable.
+/// Shows the vehicle until the user quits, or until the source proves to be unreadable.
 fn show_vehicle(playback: &Playback, labels: &Labels) -> Exit {
     let (sender, inputs) = sync_channel(WAITING_LIMIT);
     let theme = theme();

@@ -15,10 +15,10 @@ use uavspec_dynamic::{Field as Placed, MessageType, Value};
 use uavspec_runtime::Scalar;
 use uavspec_schema::{Element, Field as Defined, Message, Schema, Shape};
 
-/// The name of the elements of an array.
+/// The Arrow name of the elements of an array.
 const ITEM: &str = "item";
 
-/// The text of a unit if the values have none.
+/// The unit that definitions state for dimensionless values.
 const NO_UNIT: &str = "-";
 
 /// The values of a field.
@@ -93,7 +93,7 @@ impl Plain for StringBuilder {
     }
 }
 
-/// The fields of a message type, with the facts of the definition.
+/// The Arrow fields for a message type, with the unit, description and enum values from the definition.
 pub(super) fn fields(message: MessageType<'_>, definition: Option<&Message>, schema: &Schema) -> Vec<Field> {
     let field = |placed: &Placed| {
         let known = field_of(definition, &placed.name);
@@ -121,7 +121,7 @@ fn field_of<'d>(definition: Option<&'d Message>, name: &str) -> Option<&'d Defin
     definition?.fields.iter().find(|field| field.name == name)
 }
 
-/// The definition of the message in a field.
+/// The definition of the message that a field contains.
 fn nested<'s>(known: Option<&Defined>, schema: &'s Schema) -> Option<&'s Message> {
     match known?.ty.element {
         Element::Message(id) => Some(schema.message(id)),
@@ -129,7 +129,7 @@ fn nested<'s>(known: Option<&Defined>, schema: &'s Schema) -> Option<&'s Message
     }
 }
 
-/// Adds a unit, a description, and the values of an enum in JSON to a field.
+/// Adds metadata to a field: a unit, a description, and the values of an enum as JSON.
 pub(super) fn described(field: Field, unit: Option<&str>, description: &str, values: Option<&str>) -> Field {
     let texts = [("unit", unit), ("description", Some(description)), ("values", values)].into_iter();
     let known = texts
@@ -137,7 +137,7 @@ pub(super) fn described(field: Field, unit: Option<&str>, description: &str, val
     field.with_metadata(known.collect::<HashMap<String, String>>())
 }
 
-/// Adds the facts of the definition to a field.
+/// Adds the unit, description and enum values from the definition to a field.
 fn defined(field: Field, known: &Defined, schema: &Schema) -> Field {
     let values = known.enumeration.map(|reference| {
         let members = schema.enumeration(reference).members.iter();
@@ -163,12 +163,12 @@ fn data_type(
     }
 }
 
-/// The elements of an array.
+/// The Arrow field for the elements of an array.
 fn item(message: MessageType<'_>, placed: &Placed, known: Option<&Defined>, schema: &Schema) -> FieldRef {
     Arc::new(Field::new(ITEM, element_type(message, placed, known, schema), true))
 }
 
-/// The type of a field or its elements.
+/// The type of a field, or of its elements.
 fn element_type(
     message: MessageType<'_>,
     placed: &Placed,
@@ -266,7 +266,7 @@ fn signed<N: TryFrom<i64>>(value: Value<'_>) -> Option<N> {
 }
 
 impl Column {
-    /// Adds a value. `None` adds a missing one. Returns the approximate size in bytes.
+    /// Adds a value. `None` adds a missing value. Returns the approximate size in bytes.
     pub(super) fn push(&mut self, value: Option<Value<'_>>) -> usize {
         match self {
             Self::Plain(plain) => plain.push(value),
@@ -294,7 +294,7 @@ impl Column {
         }
     }
 
-    /// The values, which are then dropped.
+    /// Returns the values, and removes them.
     pub(super) fn finish(&mut self) -> Result<ArrayRef, ArrowError> {
         match self {
             Self::Plain(plain) => Ok(plain.finish()),

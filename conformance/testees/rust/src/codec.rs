@@ -37,7 +37,7 @@ pub(crate) struct Codec<'s> {
     pub(crate) events: Vec<(String, Events)>,
 }
 
-/// The events of each component.
+/// Collects the events of each component.
 pub(crate) fn events(schema: &Schema) -> Vec<(String, Events)> {
     let of_package = |package: &Package| {
         let name = |component: &EventComponent| format!("{}/{}", package.name, component.namespace);

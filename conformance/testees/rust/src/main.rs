@@ -35,7 +35,7 @@ fn main() -> io::Result<()> {
     let mut output = io::stdout().lock();
     // Lines are read as bytes, so that invalid UTF-8 doesn't end the program.
     for line in io::stdin().lock().split(b'\n') {
-        // A line that isn't JSON has no id to respond to.
+        // A line that isn't JSON has no id that a response could contain.
         let Ok(request) = serde_json::from_slice(&line?) else { continue };
         if let Some(response) = codec.reply(&request) {
             writeln!(output, "{response}")?;

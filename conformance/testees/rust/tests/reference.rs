@@ -8,7 +8,7 @@ use uavspec_rules::definitions::Definitions;
 
 fn options() -> Options {
     let command = Target::Command(vec![env!("CARGO_BIN_EXE_uavspec-testee").into()]);
-    // Requests are fast, but the machine may be busy.
+    // Requests are handled fast, but the machine may be busy.
     Options {
         timeout: Duration::from_secs(60),
         start_timeout: Duration::from_secs(120),

@@ -44,16 +44,16 @@ pub(super) fn start<'s>(
     scope.spawn(move || flood_with_datagrams(addresses[1], is_over));
 }
 
-/// The action of a bad client after it has connected, and later actions.
+/// What a bad client does after it has connected, and afterwards.
 #[derive(Clone, Copy, Debug)]
 enum Behaviour {
     /// Sends these bytes once.
     Once(fn(&mut Random) -> Vec<u8>),
-    /// Sends these bytes again and again, and never reads.
+    /// Sends these bytes repeatedly, and never reads.
     Flood(fn(&mut Random) -> Vec<u8>),
-    /// Sends these bytes again and again, and reads the answers.
+    /// Sends these bytes repeatedly, and reads the answers.
     Exchange(fn(&mut Random) -> Vec<u8>),
-    /// Sends a first text, then one byte at a time.
+    /// Sends these bytes, and then one byte at a time.
     Slowly(fn(&mut Random) -> Vec<u8>),
     /// Sends these bytes, and disconnects without reading.
     Reset(fn(&mut Random) -> Vec<u8>),
@@ -61,7 +61,7 @@ enum Behaviour {
 
 use Behaviour::{Exchange, Flood, Once, Reset, Slowly};
 
-/// The behaviours, each with the position of its address: TCP, UDP, HTTP and Socket.IO.
+/// The behaviours. Each has the index of its address: TCP, UDP, HTTP or Socket.IO.
 const BEHAVIOURS: [(usize, Behaviour); 26] = [
     (0, Once(|_| Vec::new())),
     (0, Flood(|_| requests(20, &json!({ "type": "UAV-INF", "ids": fleet() })))),
@@ -139,7 +139,7 @@ fn requests(count: usize, body: &serde_json::Value) -> Vec<u8> {
     (request("a", body) + "\n").repeat(count).into_bytes()
 }
 
-/// Requests that each cause a notification of all clients.
+/// Requests, each of which causes a notification to all clients.
 fn presets(count: usize) -> Vec<u8> {
     let [select, deselect] = [json!("base"), json!(null)].map(|id| json!({ "type": "RTK-SOURCE", "id": id }));
     [requests(1, &select), requests(1, &deselect)].concat().repeat(count)
@@ -156,7 +156,7 @@ fn posts(count: usize, body: &serde_json::Value) -> Vec<u8> {
     .into_bytes()
 }
 
-/// A WebSocket frame, with a mask of zeros.
+/// A WebSocket frame whose mask is zero.
 fn frame(kind: u8, payload: &[u8]) -> Vec<u8> {
     let length = payload.len();
     let head = match u8::try_from(length) {
@@ -179,7 +179,7 @@ impl BadClient {
         Self { address: addresses[transport], behaviour, stream: None }
     }
 
-    /// Connects if necessary, and performs the next action.
+    /// Connects if necessary. Then performs the next action.
     fn act(&mut self, random: &mut Random) {
         let is_new = self.stream.is_none();
         if is_new {
@@ -211,7 +211,7 @@ fn connect(address: SocketAddr) -> Option<TcpStream> {
     Some(stream)
 }
 
-/// Sends as much as possible. Returns false if the connection has ended.
+/// Sends as many bytes as possible. Returns false if the connection has ended.
 fn send(mut stream: &TcpStream, bytes: &[u8]) -> bool {
     match stream.write(bytes) {
         Ok(sent) => sent > 0 || bytes.is_empty(),
@@ -219,7 +219,7 @@ fn send(mut stream: &TcpStream, bytes: &[u8]) -> bool {
     }
 }
 
-/// Reads what has arrived. Returns false if the connection has ended.
+/// Reads the data that has arrived. Returns false if the connection has ended.
 fn is_connected(mut stream: &TcpStream) -> bool {
     let mut buffer = [0; 16 << 10];
     match stream.read(&mut buffer) {
@@ -237,7 +237,7 @@ fn flood_with_datagrams(address: SocketAddr, is_over: &AtomicBool) {
             let Ok(socket) = UdpSocket::bind("127.0.0.1:0") else { continue };
             let garbage = random.bytes(1000);
             let datagram = if number % 4 == 0 { &garbage } else { ping.as_bytes() };
-            // The queue of the server may be full.
+            // The server's queue may be full.
             let _ = socket.send_to(datagram, address);
         }
         thread::sleep(PAUSE);

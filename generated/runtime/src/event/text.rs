@@ -207,7 +207,7 @@ impl fmt::Debug for Argument<'_> {
     }
 }
 
-/// The text of the argument. A `float` is the shortest text that is read as the same number.
+/// The text of the argument. A `float` is formatted as the shortest text that parses to the same number.
 impl fmt::Display for Argument<'_> {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let label = |formatter: &mut fmt::Formatter<'_>, found: Option<&str>, value| match found {

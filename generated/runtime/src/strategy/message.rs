@@ -41,7 +41,7 @@ fn valid_fields(message: &'static MessageDescriptor, room: usize) -> Vec<BoxedSt
     message.fields.iter().map(|field| valid_field(field, room)).collect()
 }
 
-/// The room of each field whose size varies.
+/// The share of `room` for each field whose size varies.
 fn share(message: &MessageDescriptor, room: usize) -> usize {
     let varies = |field: &&FieldDescriptor| match (field.shape, field.element) {
         (Shape::Bounded(_) | Shape::Sequence, _) | (_, Element::String { .. }) => true,

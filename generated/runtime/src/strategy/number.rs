@@ -191,7 +191,7 @@ impl Numbers {
         if low <= high { (low, high) } else { (-max, max) }
     }
 
-    /// The floats of the type after and before the nearest float of the type.
+    /// The next greater and the next smaller float, starting from the float of the type that is nearest to `value`.
     #[allow(clippy::cast_possible_truncation)] // rounding is intended
     fn neighbours(self, value: f64) -> [f64; 2] {
         if self.scalar == Scalar::Float32 {

@@ -35,7 +35,7 @@ impl System {
         let base = folder.join(format!("{}-{RELEASE}", platform.debian));
         if !base.exists() {
             eprintln!("dist: installing {RELEASE} for {} in {}", platform.debian, base.display());
-            // An interrupted installation has another name.
+            // Install in a folder with another name, so that an interrupted installation is never used.
             let part = folder.join(format!("{}-{RELEASE}.part", platform.debian));
             remove(&part)?;
             install(platform, &part)?;
@@ -68,12 +68,12 @@ impl System {
 
 impl Drop for System {
     fn drop(&mut self) {
-        // A remaining folder is removed by the next test.
+        // If the folder can't be removed, the next test removes it.
         let _ = remove(&self.root);
     }
 }
 
-/// Fails with the requirement that this machine doesn't meet.
+/// Fails if this machine doesn't meet a requirement. The error describes the requirement.
 fn obstacle(platform: &Platform) -> Result<(), String> {
     if output(Command::new("id").arg("-u"))? != "0" {
         return Err("requires root privileges, for chroot".to_owned());

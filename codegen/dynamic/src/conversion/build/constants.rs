@@ -30,7 +30,7 @@ pub(super) struct Mapped<'a> {
     pub(super) used: Vec<&'a str>,
 }
 
-/// Converts the values of a field by the names of their constants.
+/// Determines the conversion of a field's values by matching the names of their constants.
 pub(super) fn map<'a>(
     direction: &Direction<'a>,
     (source, target): (&'a Field, &'a Field),
@@ -75,7 +75,7 @@ pub(super) fn map<'a>(
             None => absent.push((name, *value)),
         }
     }
-    // Another name of the same value may have a counterpart.
+    // Ignore a constant if another name of the same value has a counterpart.
     let known: BTreeSet<i128> = pairs.iter().map(|(value, _)| *value).collect();
     let absent: Vec<&str> =
         absent.into_iter().filter(|(_, value)| !known.contains(value)).map(|(name, _)| name).collect();
@@ -142,8 +142,8 @@ fn renamed<'a>(direction: &Direction<'a>) -> HashMap<&'a str, &'a str> {
     changes.map(|(from, to)| (from.name.as_str(), to.name.as_str())).collect()
 }
 
-/// The named values of `field`. If only the field on the other side has an enum, the constants with its prefixes are the
-/// named values. `None` if neither field has an enum.
+/// The named values of `field`. If only the field on the other side has an enum, returns the constants with the
+/// prefixes of that enum. `None` if neither field has an enum.
 fn names<'a>(side: Side<'a>, field: &'a Field, other: (Side<'a>, &'a Field)) -> Option<Names<'a>> {
     if let Some(reference) = field.enumeration {
         let (owner, found) = (side.schema.message(reference.message), side.schema.enumeration(reference));

@@ -21,7 +21,7 @@ pub(super) struct Direction<'a> {
     pub(super) is_forward: bool,
     pub(super) from: Side<'a>,
     pub(super) to: Side<'a>,
-    /// The index of the source field for each field of the target.
+    /// Maps the index of each target field to the index of its source field.
     pub(super) sources: BTreeMap<usize, usize>,
     pub(super) pair: &'a Pair<'a>,
     /// All matched messages, by old and new id.

@@ -47,7 +47,7 @@ impl<'a> FieldBuilder<'_, 'a> {
             return self.copied(source);
         }
         if let Some((_, HintValue::Constants(_))) = hinted {
-            self.undecide(None, "has no field on the other side to map from", "compute its value");
+            self.undecide(None, "has no corresponding field on the other side", "compute its value");
         }
         self.added()
     }
@@ -56,8 +56,8 @@ impl<'a> FieldBuilder<'_, 'a> {
         &self.direction.to.message.fields[self.target]
     }
 
-    /// The source field with the same name, the field that a hint renames, or the
-    /// renamed field with the same comment.
+    /// The source of the field: the field with the same name, the field that a hint renames to it,
+    /// or a renamed field with the same comment.
     fn source(&mut self) -> Option<usize> {
         let target = self.field();
         let fields = &self.direction.from.message.fields;
@@ -108,7 +108,7 @@ impl<'a> FieldBuilder<'_, 'a> {
         neutral(self.direction.to.schema, self.direction.to.message, self.field())
     }
 
-    /// A field without a source.
+    /// The step for a field without a source.
     fn added(&mut self) -> Step {
         match self.neutral() {
             Ok(value) => Step::Fill(value),
@@ -189,7 +189,8 @@ impl<'a> FieldBuilder<'_, 'a> {
         self.direction.old_and_new(texts.0, texts.1)
     }
 
-    /// The policy for a type with fewer values. Only integers can be replaced by the neutral value.
+    /// The policy for a target type that lacks values of the source type. Only integers can be
+    /// replaced by the neutral value.
     fn narrowing(&self, source: &Field, target: &Field) -> Option<Narrowing> {
         let hints = &self.decisions.narrow;
         let policy = *hints.get(target.name.as_str()).or_else(|| hints.get(source.name.as_str()))?;
@@ -200,8 +201,9 @@ impl<'a> FieldBuilder<'_, 'a> {
             .then_some(policy)
     }
 
-    /// The default, which replaces numbers that the target type can't represent. `None` if there is no default. Reports a
-    /// field without a neutral value, and an array with a default: its elements have no common default.
+    /// The default, which replaces numbers that the target type can't represent. `None` if there is no default. Reports
+    /// a field without a neutral value. Also reports an array with a default, because its elements have no common
+    /// default.
     fn replacement(&mut self, at: usize) -> Option<Neutral> {
         let target = self.field();
         let problem = match (&target.default, target.ty.shape) {
@@ -330,7 +332,7 @@ impl<'a> FieldBuilder<'_, 'a> {
             let problem = if is_text {
                 "a text can't be computed"
             } else {
-                "only numbers and truth values can be computed"
+                "only numbers and booleans can be computed"
             };
             return self.mistaken(key, problem);
         };
@@ -427,7 +429,7 @@ impl Names for FieldBuilder<'_, '_> {
             let ty = from.message.fields[at].ty;
             return match (ty.element, ty.shape) {
                 (Element::Scalar(scalar), Shape::Single) => Ok(Expression::Field(at, kind(scalar))),
-                _ => Err(format!("`{}` is not a number or truth value", name.text)),
+                _ => Err(format!("`{}` is not a number or a boolean", name.text)),
             };
         }
         let value = |value: &Value| match value {

@@ -26,7 +26,8 @@ const LEVELS: [&[(&str, Binary)]; 8] = [
     &[("*", Binary::Multiply), ("/", Binary::Divide)],
 ];
 
-/// The level of comparisons in [`LEVELS`], which can't be chained. `not` applies to a whole comparison.
+/// The level of comparisons in [`LEVELS`]. Comparisons can't be chained. `not` applies to a whole
+/// comparison.
 const COMPARISON: usize = 2;
 
 /// The words that can't be names.
@@ -134,7 +135,7 @@ impl<'t> Parser<'t> {
         Err(self.error(format!("expected `{token}`, found {found}")))
     }
 
-    /// The node that `parse` reads, with its location.
+    /// Reads a node with `parse`, and adds its location.
     fn node(&mut self, parse: impl FnOnce(&mut Self) -> Result<NodeKind, Error>) -> Result<Node, Error> {
         let start = self.tokens.get(self.at).map_or(self.text.len(), |range| range.start);
         let kind = parse(self)?;
@@ -264,7 +265,7 @@ impl<'t> Parser<'t> {
     }
 }
 
-/// A decimal, hexadecimal or binary integer, or a float.
+/// Parses a decimal, hexadecimal or binary integer, or a float.
 fn number(token: &str) -> Option<NodeKind> {
     let integer = match (token.strip_prefix("0x"), token.strip_prefix("0b")) {
         (Some(digits), _) => i128::from_str_radix(digits, 16).ok(),

@@ -84,7 +84,7 @@ impl ValueKind {
     /// The name in messages.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Bool => "a truth value",
+            Self::Bool => "a boolean",
             Self::Int => "an integer",
             Self::Float => "a float",
         }

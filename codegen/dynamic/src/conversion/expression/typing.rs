@@ -78,7 +78,8 @@ fn binary(
     Ok(Expression::Binary(operator, Box::new(left), Box::new(right)))
 }
 
-/// Converts two expressions to the same kind.
+/// If only one of two expressions is an integer, converts it to a float. Fails for other expressions of different
+/// kinds.
 fn unified(left: Expression, right: Expression) -> Result<(Expression, Expression), String> {
     match (left.kind(), right.kind()) {
         (one, other) if one == other => Ok((left, right)),

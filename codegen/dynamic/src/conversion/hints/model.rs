@@ -39,7 +39,8 @@ pub struct Mistake {
 /// A hint about one message.
 #[derive(Clone, Debug, Default)]
 pub(in crate::conversion) struct Hint {
-    /// The old and the new message, which are equal unless a topic changed its message.
+    /// The old and the new message, which are equal unless the versions use different messages for
+    /// a topic.
     pub(in crate::conversion) messages: [Key; 2],
     /// The topic that both messages must have.
     pub(in crate::conversion) topic: Option<Key>,
@@ -75,7 +76,7 @@ pub(in crate::conversion) enum HintValue {
 #[derive(Debug, Default)]
 pub(in crate::conversion) struct Decisions<'h> {
     pub(in crate::conversion) values: BTreeMap<&'h str, (&'h Key, &'h HintValue)>,
-    /// The name of the source field for each renamed field of the target.
+    /// Maps each renamed target field to the name of its source field.
     pub(in crate::conversion) renamed: BTreeMap<&'h str, &'h str>,
     pub(in crate::conversion) narrow: BTreeMap<&'h str, Narrowing>,
     /// Names that mean the same, and constants that occur in expressions or maps.

@@ -24,7 +24,7 @@ pub fn read(sources: &SourceMap, source: SourceId) -> Hints {
         let span = reader.span(error.span().unwrap_or_default());
         reader.mistake(span, error.message().to_owned(), "correct the TOML syntax");
     }
-    // A partly parsed file would only cause further errors.
+    // Skip a partly parsed file, which would only cause further errors.
     let hints = if errors.is_empty() { reader.file(table.get_ref()) } else { Vec::new() };
     reader.mistakes.sort_by_key(|mistake| mistake.span);
     Hints { hints, mistakes: reader.mistakes }

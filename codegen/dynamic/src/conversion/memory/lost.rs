@@ -92,7 +92,7 @@ fn kind_of(kind: LossKind, source: &Field, step: Option<(&Copy, &Field)>) -> Opt
     }
 }
 
-/// The values in an element of a field.
+/// The values in an element of a field, each with its location.
 fn leaves(message_type: MessageType<'_>, field: &Field) -> Vec<(Place, Leaf)> {
     let whole = |leaf| vec![(Place { at: 0, stride: 0, room: Room::Fixed(1) }, leaf)];
     match field.element {
@@ -106,7 +106,7 @@ fn leaves(message_type: MessageType<'_>, field: &Field) -> Vec<(Place, Leaf)> {
     }
 }
 
-/// The values of a field in a nested message.
+/// The values of a field in a nested message, each with its location.
 fn nested(message_type: MessageType<'_>, field: &Field) -> Vec<(Place, Leaf)> {
     let place = Place::of(field);
     let Room::Fixed(count) = place.room else {
@@ -179,7 +179,7 @@ impl Leaf {
     }
 }
 
-/// Compares a number with its conversion.
+/// True if a number equals its converted value.
 fn is_same(value: Computed, converted: Computed) -> bool {
     match (value, converted) {
         (Computed::Float(value), Computed::Float(other)) => value.total_cmp(&other).is_eq() || value.is_nan(),

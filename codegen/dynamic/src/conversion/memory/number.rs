@@ -20,7 +20,8 @@ impl Number {
     /// The converted value; `None` for the neutral value.
     pub(super) fn converted(&self, value: Computed) -> Option<Computed> {
         let value = match (&self.elements, value) {
-            // The limit of a count also converts the named values.
+            // A limit of a count also converts the named values, so this case applies only without
+            // a limit.
             (Elements::Values(pairs), Computed::Int(value)) if self.limit.is_none() => {
                 Computed::Int(pairs.iter().find(|(from, _)| *from == value).map_or(value, |(_, to)| *to))
             }
@@ -80,7 +81,7 @@ pub(super) fn text(bytes: &[u8], length: usize) -> &[u8] {
     &text[..end]
 }
 
-/// The first characters of a string.
+/// The first `bound` characters of a string, or all characters without a bound.
 pub(super) fn characters(text: &[u8], bound: Option<u32>) -> &[u8] {
     let Some(bound) = bound.map(|bound| bound as usize).filter(|bound| text.len() > *bound) else {
         return text;

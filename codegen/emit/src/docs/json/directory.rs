@@ -71,7 +71,7 @@ impl<'p, 's> Json<'p, 's> {
         expression.walk(&mut |inner| {
             let Expression::Named(id) = inner else { return };
             let users = self.users.entry(*id).or_default();
-            // An expression may contain a type twice.
+            // List a use only once, even if an expression contains a type twice.
             if users.last() != Some(&user) {
                 users.push(user);
             }

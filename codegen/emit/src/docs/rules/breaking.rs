@@ -30,27 +30,27 @@ pub(super) fn chapter() -> Chapter {
 /// The topics of the rules.
 const TOPICS: &[(&str, &str)] = &[
     (
-        "Changes of fields",
+        "Changes to fields",
         "array-length-changed field-added field-default-changed field-enum-changed field-frame-changed \
          field-invalid-changed field-moved field-range-changed field-removed field-renamed \
          field-type-changed field-unit-changed nested-changed",
     ),
     (
-        "Changes of constants",
+        "Changes to constants",
         "constant-added constant-removed constant-renamed constant-reused constant-type-changed \
          constant-value-changed",
     ),
     (
-        "Changes of events",
+        "Changes to events",
         "event-added event-arguments-changed event-enum-changed event-meaning-changed event-removed",
     ),
     (
-        "Changes of error codes",
+        "Changes to error codes",
         "error-code-abbreviation-changed error-code-added error-code-meaning-changed error-code-removed \
          error-code-renumbered error-code-reused",
     ),
     (
-        "Changes of messages and topics",
+        "Changes to messages and topics",
         "message-added message-removed message-renamed message-version message-version-needless \
          message-version-removed queue-length-changed topic-added topic-removed",
     ),

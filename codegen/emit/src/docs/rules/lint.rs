@@ -190,7 +190,7 @@ fn form(path: &str) -> Form {
     if Kind::of(path).is_some() { Form::Msg(Dialect::Px4) } else { Form::Table }
 }
 
-/// The findings of a rule in its bad example.
+/// Checks the bad example of a rule. Returns the sources and the findings.
 fn lint_bad_example(rule: &Rule) -> (SourceMap, Vec<Finding>) {
     let mut sources = SourceMap::default();
     let packages = packages(rule.bad.files(), "", &mut sources);

@@ -21,7 +21,7 @@ impl Source<'_> {
             Expression::Bool(value) => quote!(#value),
             Expression::Int(value) if i32::try_from(*value).is_ok() => types::integer(*value),
             Expression::Int(value) => {
-                // The compiler assumes i32 if all operands are literals.
+                // Add a suffix, because the compiler assumes i32 if all operands are literals.
                 let magnitude = Literal::i128_suffixed(value.saturating_abs());
                 if value.is_negative() { quote!(-#magnitude) } else { quote!(#magnitude) }
             }

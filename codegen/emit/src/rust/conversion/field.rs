@@ -63,7 +63,7 @@ impl Fields<'_> {
         quote!(#path(#number))
     }
 
-    /// A field with `element` as each of its elements.
+    /// The value of a field that contains `element` in each element.
     fn spread(field: &Field, element: TokenStream) -> TokenStream {
         match field.ty.shape {
             Shape::Single => element,
@@ -288,7 +288,7 @@ impl Copied<'_> {
                 let Some(max) = max else {
                     return quote!(#ty::try_from(#raw).unwrap_or(#neutral));
                 };
-                // The neutral value may exceed the length of an array that was cut.
+                // Limit only the number. The neutral value may exceed the length of an array that was cut.
                 let max = types::integer(clamped(self.target, max.into()));
                 return quote!(#ty::try_from(#raw).map_or(#neutral, |number| number.min(#max)));
             }
@@ -300,7 +300,7 @@ impl Copied<'_> {
                 return quote!(i128::from(#raw).clamp(#low, #high) as #ty);
             }
             Elements::Values(pairs) if max.is_none() => return self.values(&raw, pairs, (from, to)),
-            // The limit of a count also converts the named values.
+            // Only cast the number, because the limit of a count also converts the named values.
             Elements::Values(_) => cast(&raw, from, to),
             Elements::Flags(pairs) => return self.flags(&raw, pairs, (from, to)),
             _ => raw,

@@ -20,7 +20,7 @@ impl Defaults {
         let mut is_complete = false;
         while !is_complete {
             is_complete = true;
-            // Most pages define a type before the types that it contains.
+            // Go backwards, because most pages define a type before the types that it contains.
             for (index, id) in package.json_types.iter().enumerate().rev() {
                 if !defaults.types[index] && defaults.of_definition(&schema.json_type(*id).definition) {
                     defaults.types[index] = true;

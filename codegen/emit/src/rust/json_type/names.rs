@@ -14,7 +14,7 @@ pub(in crate::rust) const MODULE: &str = "json";
 /// Name of the module with the types.
 pub(super) const TYPES: &str = "types";
 
-/// Names of a package's types, the types that they contain, and the types that implement `Default`.
+/// The names of a package's types, the groups of types that contain each other, and the types that implement `Default`.
 pub(super) struct Names {
     /// The id of the first type.
     first: u32,
@@ -54,7 +54,8 @@ impl Names {
         &self.types[(id.0 - self.first) as usize]
     }
 
-    /// True if a type that contains another type is itself contained in that type. Such a type must be boxed.
+    /// True if `outer` and `inner` contain each other without a list or map in between. The inner type must
+    /// then be boxed.
     pub(super) fn is_recursive(&self, outer: JsonTypeId, inner: JsonTypeId) -> bool {
         let group = |id: JsonTypeId| self.groups[(id.0 - self.first) as usize];
         group(outer) == group(inner)

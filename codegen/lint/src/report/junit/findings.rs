@@ -34,7 +34,7 @@ fn found(report: &Report) -> Vec<Case> {
         let mut name = name(entry);
         let count = seen.entry((&entry.rule, name.clone())).and_modify(|count| *count += 1).or_insert(1);
         if *count > 1 {
-            // If several cases have the same name, tools display only one of them.
+            // Number cases with the same name, because tools display only one of them.
             let _ = write!(name, " ({count})");
         }
         cases.push(case(report.command, entry, name));

@@ -61,9 +61,10 @@ impl<'s> LineParser<'s, '_> {
     fn check_string(&mut self, range: Range<usize>, is_default: bool) {
         let text = &self.line[range.clone()];
         let hint = if text.contains('#') {
-            "rosidl ends the line at the `#`, even in quotes; choose a value without it"
+            "rosidl ends the line at the `#`, even in quotes; choose a value without `#`"
         } else if is_default && text.contains('=') {
-            "rosidl reads a constant because of the `=`, even in quotes; choose a value without it"
+            "rosidl parses this line as a constant because of the `=`, even in quotes; choose a value \
+             without `=`"
         } else if text.contains('\t') {
             "rosidl replaces the tab with a space; write `\\t`"
         } else {
@@ -80,7 +81,7 @@ impl<'s> LineParser<'s, '_> {
         if text.contains('=') {
             let span = self.span.part(start..start + text.len());
             let problem = Problem::InvalidLiteral { text, type_name: "string".to_owned() };
-            let hint = "rosidl reads a constant because of the `=`; choose a value without it";
+            let hint = "rosidl parses this line as a constant because of the `=`; choose a value without `=`";
             return Err(self.report_with(problem, span, hint));
         }
         Ok(text)

@@ -38,7 +38,7 @@ impl Alternatives {
             for (other, span) in others {
                 let names_back = self.named.get(other).is_some_and(|back| back.contains_key(code));
                 let is_mutual = names_back || self.too_many.contains_key(other);
-                // A row that can't be read may list this code.
+                // Skip a code whose row can't be read, because the row may list this code.
                 let Some(definition) = known.get(other).copied().flatten().filter(|_| !is_mutual) else {
                     continue;
                 };

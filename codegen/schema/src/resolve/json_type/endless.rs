@@ -30,8 +30,8 @@ pub(super) fn check(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
     diagnostics
 }
 
-/// Reports types from which long paths of references start. Types that refer to each other in a cycle are all on one
-/// path.
+/// Reports types at the start of a path of references that is too long. Types that refer to each other in a cycle are
+/// all on one path.
 fn check_depth(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
     let steps = steps(types, first, references);
     let depths = depths(&steps);

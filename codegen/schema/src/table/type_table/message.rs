@@ -234,12 +234,12 @@ impl<'p> Reader<'p> {
     }
 }
 
-/// Separates the lists of answers from the other paragraphs.
+/// Separates the lists of answers, which are returned first, from the other paragraphs.
 fn apart(paragraphs: Vec<&Text>) -> (Vec<&Text>, Vec<&Text>) {
     paragraphs.into_iter().partition(|text| text.as_str().starts_with(ANSWER))
 }
 
-/// The types in a list of answers.
+/// The types in a list of answers, each with its location.
 fn answers(text: &Text) -> Vec<(&str, Span)> {
     let mut found = Vec::new();
     let mut at = ANSWER.len();

@@ -180,7 +180,7 @@ impl Parser {
         if entry.context.is_none() {
             place.context = place.id;
         }
-        // Merge tools may repeat a flag.
+        // Remove repeated flags, which merge tools may write.
         let mut known = BTreeSet::new();
         entry.flags.retain(|flag| known.insert(flag.clone()));
         self.catalogue.entries.push(entry);

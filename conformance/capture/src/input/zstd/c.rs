@@ -12,8 +12,8 @@ pub(crate) struct Frames<R> {
     decoder: Decoder<'static>,
     /// True between the first and the last byte of a frame.
     is_in_frame: bool,
-    /// The number of bytes that the decoder needs for its next step. With more bytes, an error would hide the bytes
-    /// before it.
+    /// The number of bytes that the decoder needs for its next step. If the decoder got more bytes, an error would hide
+    /// the output of the bytes before the error.
     needed: usize,
     /// True if the decoder may have more output than fitted into the buffer. This output is returned before more input
     /// is read.

@@ -52,7 +52,7 @@ impl Chunk {
         self.records.extend_from_slice(payload);
     }
 
-    /// Removes the indexes of the messages.
+    /// Removes and returns the indexes of the messages.
     pub(super) fn take_indexes(&mut self) -> Indexes {
         let mut indexes = Indexes { records: Vec::new(), channels: Vec::new() };
         for (channel, entries) in std::mem::take(&mut self.entries) {

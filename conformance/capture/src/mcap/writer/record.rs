@@ -23,12 +23,12 @@ pub(super) fn texts(out: &mut Vec<u8>, map: &BTreeMap<String, String>) {
     });
 }
 
-/// Appends bytes that follow their length.
+/// Appends the length of these bytes, and then the bytes.
 pub(super) fn bytes(out: &mut Vec<u8>, bytes: &[u8]) {
     prefixed::<4>(out, |out| out.extend_from_slice(bytes));
 }
 
-/// Appends content that follows its length. The length takes `N` bytes.
+/// Appends the length of the content, in `N` bytes, and then the content.
 pub(super) fn prefixed<const N: usize>(out: &mut Vec<u8>, content: impl FnOnce(&mut Vec<u8>)) {
     let start = out.len();
     out.extend_from_slice(&[0; N]);

@@ -10,8 +10,8 @@ use crate::Logged;
 use crate::bag::clues::has_its_hash;
 use crate::bag::{BagFile, Channels, Declared, HASH};
 
-/// The types of the topics, by the type whose definition also defines them. The definition of a service or an action
-/// defines all types that ROS 2 derives from it. The flag is true if a topic of the type has no hash.
+/// The types of the topics, grouped by the type whose definition also defines them: the definition of a service or an
+/// action defines all types that ROS 2 derives from it. The flag is true if a topic of the type has no hash.
 fn types_of(topics: &[Topic]) -> BTreeMap<&str, BTreeMap<&str, bool>> {
     let mut types: BTreeMap<&str, BTreeMap<&str, bool>> = BTreeMap::new();
     for Topic { ty, hash, .. } in topics {
@@ -33,7 +33,7 @@ pub(super) struct SqliteFile<'c, 'd> {
     channels: HashMap<i64, usize>,
     /// The indices in `channels`.
     claimed: BTreeSet<usize>,
-    /// The undeclared topics with messages, each reported once.
+    /// The topics that have messages but no declaration. Each is reported only once.
     undeclared: BTreeSet<i64>,
 }
 
@@ -103,7 +103,7 @@ impl<'c, 'd> SqliteFile<'c, 'd> {
             let text = format!("topic {id} is declared again; the first declaration is used");
             return self.gap(location, &text);
         }
-        // rosbag2 converts a type without a definition to an empty schema of an MCAP file.
+        // For a type without a definition, rosbag2 writes an empty schema when it converts the file to MCAP.
         let schema = schema.map_or_else(|| self.bag.schemas.add(ty, "ros2msg".to_owned(), b""), Ok);
         let stated = self.file.encodings.and_then(|encodings| encodings.get(&name));
         let encoding = stated.cloned().unwrap_or(encoding);

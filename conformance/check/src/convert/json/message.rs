@@ -1,4 +1,4 @@
-//! Writes JSON messages as programs write them, with the deviations that `check` accepts.
+//! Writes JSON messages in the form in which programs write them, with the deviations that `check` accepts.
 
 use serde_json::Value;
 use uavspec_dynamic::{DynamicMessage, MessageType};
@@ -19,7 +19,7 @@ pub(super) fn write(message: &DynamicMessage<'_>, dialects: Dialects) -> Result<
     serde_json::to_string(&value).map_err(|error| error.to_string())
 }
 
-/// True if two types have the same JSON messages, provided that they have the same CDR payloads.
+/// True if two types have the same JSON messages. The types must have the same CDR payloads.
 pub(super) fn has_same_names(source: MessageType<'_>, target: MessageType<'_>) -> bool {
     source.fields().iter().zip(target.fields()).all(|(old, new)| {
         old.name == new.name
@@ -35,9 +35,9 @@ pub(super) fn has_same_names(source: MessageType<'_>, target: MessageType<'_>) -
 /// The notation of bytes in a message.
 #[derive(Clone, Copy)]
 struct Notation {
-    /// True if arrays of bytes are base64.
+    /// True if arrays of bytes are written as base64.
     is_base64: bool,
-    /// True if text is an array of numbers.
+    /// True if text is written as an array of numbers.
     has_numbers: bool,
 }
 

@@ -12,7 +12,7 @@ const MAX_FORMAT: usize = u16::MAX as usize;
 /// The formats of the output.
 #[derive(Debug, Default)]
 pub(super) struct Formats {
-    /// The fields by name.
+    /// The fields of each format, by the name of the format.
     written: BTreeMap<String, String>,
     /// The names in the output of nested types that were copied, by their names in the log.
     copied: BTreeMap<String, String>,
@@ -24,8 +24,8 @@ pub(super) struct Formats {
 pub(super) type LogFormats<'l> = BTreeMap<&'l str, &'l str>;
 
 impl Formats {
-    /// Adds the format of a converted topic with the types that it contains. Fails if another format has one of the
-    /// names.
+    /// Adds the format of a converted topic, and the types that it contains. Fails if another format already has one of
+    /// the names.
     pub(super) fn convert(&mut self, topic: &str, ty: MessageType<'_>) -> Result<(), String> {
         let nested = nested(ty).into_iter().map(|nested| (format_name(nested.name()), fields(nested)));
         let all: Vec<(String, String)> = nested.chain([(topic.to_owned(), fields(ty))]).collect();
@@ -38,8 +38,8 @@ impl Formats {
         Ok(())
     }
 
-    /// Adds the format of an unchanged topic, with the types that it contains. A nested type gets another name if the
-    /// output has another format of this name. Fails if the topic has the name of another format.
+    /// Adds the format of an unchanged topic, and the types that it contains. A nested type is renamed if the output
+    /// has a different format with the same name. Fails if the topic has the name of another format.
     pub(super) fn copy(&mut self, topic: &str, log: &LogFormats<'_>) -> Result<(), String> {
         let Some(fields) = log.get(topic) else { return Ok(()) };
         self.copy_types(fields, log);
@@ -75,7 +75,7 @@ impl Formats {
         }
     }
 
-    /// Adds the types that a format contains. The format is valid, so the nesting is limited.
+    /// Adds the types that a format contains. The format must be valid, so the nesting depth is limited.
     fn copy_types(&mut self, fields: &str, log: &LogFormats<'_>) {
         for name in types(fields, log) {
             if let Some(fields) = log.get(name).filter(|_| !self.copied.contains_key(name)) {
@@ -85,7 +85,7 @@ impl Formats {
         }
     }
 
-    /// Adds an unchanged nested type, after the types that it contains.
+    /// Adds an unchanged nested type. Adds the types that it contains first.
     fn copy_type(&mut self, name: &str, fields: &str, log: &LogFormats<'_>) {
         let fields = self.renamed(fields);
         let is_other = |known: &str| self.written.get(known).is_some_and(|written| *written != *fields);
@@ -99,7 +99,7 @@ impl Formats {
         self.copied.insert(name.to_owned(), unique);
     }
 
-    /// The fields of a format with the names that their types have in the output.
+    /// The fields of a format, using the names that their types have in the output.
     fn renamed<'f>(&self, fields: &'f str) -> Cow<'f, str> {
         let new_name = |part| self.copied.get(type_of(part)).filter(|name| *name != type_of(part));
         if !fields.split(';').any(|part| new_name(part).is_some()) {
@@ -113,7 +113,7 @@ impl Formats {
     }
 }
 
-/// The type of a field, without the length of an array.
+/// The type of a field, without the array length.
 fn type_of(field: &str) -> &str {
     let field = field.trim_start();
     &field[..field.find(['[', ' ']).unwrap_or(field.len())]

@@ -63,8 +63,8 @@ impl<K> Entry<K> {
         Self { key, outcome, is_settled: false, reported_uavs: BTreeSet::new(), times: 0 }
     }
 
-    /// The number of the entry's findings, if they only need to be counted for this UAV. Otherwise, the caller reports
-    /// the findings now, and only counts them later.
+    /// The number of findings in this entry, if they need only be counted for this UAV. Returns `None` if the caller
+    /// must report them now; for later reports, they are then only counted.
     fn settled(&mut self, uav: &str, findings: &Findings) -> Option<u64> {
         let violations = &self.outcome.as_ref()?.violations;
         if violations.is_empty() {
@@ -124,7 +124,7 @@ impl<'d> Known<'d> {
         Some(self.kinds.len() - 1)
     }
 
-    /// Runs all checks that receive only the message.
+    /// Runs all checks that receive only the message. Returns `None` if the message can't be checked.
     fn check(&self, version: &str, states: &str) -> Option<Outcome> {
         let text = format!(
             "{{\"$fw.version\":\"{version}\",\"id\":\"1\",\"body\":{{\"type\":\"{}\",\"status\":{{{states}}}}}}}",
@@ -166,8 +166,8 @@ impl<'d> Known<'d> {
         Some(Outcome { covered: all, violations: violations.collect() })
     }
 
-    /// Counts a report with this version, and with states of these kinds and UAVs. `None` if any of their findings must
-    /// be reported.
+    /// Counts a report with this version, and with states of these kinds and UAVs. Returns `None`, without counting, if
+    /// any of their findings must be reported.
     pub(super) fn count<'u>(
         &mut self,
         version: &str,
@@ -210,9 +210,9 @@ impl<'d> Known<'d> {
 }
 
 impl Outcome {
-    /// The results that a state adds to the results for a report without states. `None` if this difference can't be
-    /// used: the report without states has findings, or covers a rule more often than the report with the state. Every
-    /// state of this kind is then checked in full.
+    /// The results that a state adds to the results for a report without states. Returns `None` if this difference
+    /// can't be used, because the report without states has findings, or covers a rule more often than the report with
+    /// the state. Every state of this kind is then checked in full.
     fn beyond(self, without: Self) -> Option<Self> {
         let is_sound = without.violations.is_empty();
         let counts = self.covered.into_iter().zip(without.covered);

@@ -1,11 +1,11 @@
 //! Reads texts that differ from an earlier text only in their values.
 //!
-//! A program writes all its messages in the same form: the text between the values stays the same. A known form
-//! replaces a tokenizer, except for the values, and takes a fraction of the time.
+//! A program writes all its messages in the same form: the text between the values stays the same. If the form is
+//! known, only the values need a tokenizer. This takes a fraction of the time.
 
 use std::ops::Range;
 
-/// The maximum number of forms. A program that writes many forms gains nothing.
+/// The maximum number of forms. For a program that writes more forms, this method has no benefit.
 const MAX_FORMS: usize = 8;
 
 /// The maximum length of the text of a form without its values, in bytes.
@@ -32,8 +32,8 @@ impl<V, P> Default for Forms<V, P> {
 
 impl<V, P: Copy> Forms<V, P> {
     /// Reads a known form at the start of a text. `value` reads a value at the start of a text, and returns its length.
-    /// If the first forms don't match, `value` also gets the values of others, and must replace what it has stored.
-    /// Returns the length of the text in this form, and the properties.
+    /// If the first forms don't match, `value` is called again for the values of another form, and must then replace
+    /// what it has stored. Returns the length of the text in this form, and the properties.
     #[inline]
     pub(super) fn read<'t>(
         &self,
@@ -43,7 +43,7 @@ impl<V, P: Copy> Forms<V, P> {
         self.0.iter().find_map(|(form, properties)| Some((form.length(text, &mut value)?, *properties)))
     }
 
-    /// Adds the form of a text, which has values at these positions.
+    /// Adds the form of a text, whose values have these positions.
     pub(super) fn learn(
         &mut self,
         text: &str,
@@ -68,7 +68,7 @@ impl<V, P: Copy> Forms<V, P> {
 }
 
 impl<V> Form<V> {
-    /// The length of the text in this form at the start of a text.
+    /// The length of the text that has this form, at the start of `text`.
     #[inline]
     fn length<'t>(
         &self,
@@ -86,7 +86,7 @@ impl<V> Form<V> {
     }
 }
 
-/// The text after this start. Most starts are a comma, for which a comparison of the bytes is faster than a call.
+/// The rest of a text after `start`. Most starts are a comma, for which comparing the bytes is faster than a call.
 #[inline]
 fn without_start<'t>(text: &'t str, start: &str) -> Option<&'t str> {
     match (start.as_bytes(), text.as_bytes().first()) {
@@ -100,7 +100,7 @@ fn without_start<'t>(text: &'t str, start: &str) -> Option<&'t str> {
 mod tests {
     use super::*;
 
-    /// Learns the form of a text in which digits are values.
+    /// Learns the form of a text in which the digits are values.
     fn learn(forms: &mut Forms<(), usize>, text: &str, properties: usize) {
         let digits = text.char_indices().filter(|(_, character)| character.is_ascii_digit());
         forms.learn(text, digits.map(|(at, _)| (at..at + 1, ())), properties);

@@ -22,7 +22,7 @@ const VERDICT: &str = "can_arm_and_run";
 /// Follows the external components.
 #[derive(Default)]
 pub(super) struct Arming {
-    /// The current names of the components, by registration id. PX4 reuses the ids of components that were removed.
+    /// The current names of the components, by registration id. PX4 reuses the ids of removed components.
     names: BTreeMap<i128, String>,
 }
 
@@ -37,7 +37,7 @@ impl Arming {
         context.lanes.set(lane, context.time, Value::new(parts, Severity::Normal));
     }
 
-    /// The registrations in a mask, with the names of the components.
+    /// The registrations in a mask, each with the name of its component.
     fn registrations(&self, mask: i128) -> Vec<Part> {
         let is_valid = |bit: &u32| mask & (1 << bit) != 0;
         let part = |bit: u32| {
@@ -98,8 +98,8 @@ impl Arming {
         }
     }
 
-    /// Sets the name of a component. Earlier replies with this id belong to the first component with a name. The replies
-    /// of that component end if another component gets the id.
+    /// Sets the name of a component. The first component with a name also owns the earlier replies with this id. If
+    /// another component gets the id, the replies of the previous component end.
     fn set_name(&mut self, registration: i128, name: String, context: &mut Context<'_>) {
         if self.names.len() >= MAX_COMPONENTS && !self.names.contains_key(&registration) {
             return;

@@ -18,16 +18,16 @@ use crate::timeline::lane::{Lane, LaneKind, Lanes, Part, Severity, Value};
 
 pub(super) const TOPIC: &str = "event";
 
-/// The name of the lane with the texts of a log.
+/// The name of the lane that shows the lines of text in a log.
 const TEXTS: &str = "logging";
 
-/// The mark at the end of a text that an event repeats. PX4 doesn't record all of these events.
+/// The end of a line of text that repeats an event. PX4 doesn't record all of these events.
 const REPEATED: &str = "\t";
 
-/// The maximum time between a text and the event that repeats it, in µs.
+/// The maximum time between a line of text and the event that it repeats, in µs.
 const NEAR: u64 = 2_000_000;
 
-/// The groups of the lanes of reports.
+/// The groups of the lanes that show health and arming reports: the modes, the components and the problems.
 const MODES: &str = "Arming";
 const COMPONENTS: &str = "Health";
 const PROBLEMS: &str = "Problems";
@@ -35,7 +35,7 @@ const PROBLEMS: &str = "Problems";
 /// An event that PX4 sent.
 #[derive(Clone, Debug)]
 pub struct SentEvent {
-    /// The time since the start, in µs. Negative before the start.
+    /// The time since the start, in µs. Negative if the event is older than the start.
     pub time_us: i64,
     /// The instance in a log, or the topic, if there are several.
     pub subject: Option<Arc<str>>,
@@ -56,7 +56,7 @@ pub(in crate::timeline) struct Events {
 #[derive(Default)]
 struct Followed {
     reports: Reports,
-    /// The problems of the latest report, each with its lane.
+    /// The problems in the latest report, each with its lane.
     problems: Vec<(Problem, usize)>,
 }
 
@@ -88,7 +88,7 @@ impl Events {
         if let Some(event) = &decoded {
             flights.event(event, context.time);
         }
-        // The report's lanes show its content.
+        // The lanes of the report show the content of this event.
         if step != Step::Unrelated || decoded.is_some() && raw.level() == Some(LogLevel::Protocol) {
             return;
         }
@@ -97,7 +97,7 @@ impl Events {
         context.lanes.event(lane, context.time, value);
     }
 
-    /// The events, with times since the start. `lanes` are the timeline's lanes.
+    /// Returns the events, with times since the start. `lanes` are the timeline's lanes.
     pub(in crate::timeline) fn finish(self, start: u64, lanes: &[Lane]) -> Vec<SentEvent> {
         let is_named = lanes.iter().any(|lane| lane.topic == TOPIC && lane.subject.is_some());
         let event = |(time, subject, event): (u64, Arc<str>, RawEvent)| SentEvent {
@@ -142,7 +142,7 @@ impl Followed {
     }
 }
 
-/// Records a line of text in a log, without its colours.
+/// Records a line of text in a log, without its colour codes.
 pub(in crate::timeline) fn logged_text(level: u8, text: &str, time: u64, lanes: &mut Lanes) {
     // Tabs are control characters too.
     let tab = text.strip_suffix(REPEATED).map_or("", |_| REPEATED);
@@ -156,7 +156,7 @@ pub(in crate::timeline) fn logged_text(level: u8, text: &str, time: u64, lanes: 
     }
 }
 
-/// Removes the texts that an event repeats.
+/// Removes the lines of text that an event repeats.
 pub(in crate::timeline) fn remove_repeated_texts(lanes: &mut Vec<Lane>) {
     let mut messages: BTreeMap<String, Vec<i64>> = BTreeMap::new();
     for lane in lanes.iter().filter(|lane| lane.topic == TOPIC && lane.kind == LaneKind::Event) {
@@ -181,7 +181,8 @@ pub(in crate::timeline) fn remove_repeated_texts(lanes: &mut Vec<Lane>) {
     lanes.retain(|lane| lane.topic != TEXTS || !lane.changes.is_empty());
 }
 
-/// The words of a message, without the module before it. Texts and events differ in punctuation and case.
+/// The words of a message, without the name of the module that precedes it. Texts and events differ in punctuation and
+/// case.
 fn words(text: &str) -> String {
     let text = text.strip_prefix('[').and_then(|text| text.split_once(']')).map_or(text, |(_, text)| text);
     let words = text.split(|character: char| !character.is_alphanumeric()).filter(|word| !word.is_empty());
@@ -225,10 +226,10 @@ fn state_of_component(component: &Component) -> (&'static str, Severity) {
     }
 }
 
-/// The lane of a problem.
+/// Returns the index of the lane for a problem, and creates the lane if necessary.
 fn lane_of(problem: &Problem, subject: &str, context: &mut Context<'_>) -> Option<usize> {
     let Part { name, label } = part_of(problem, context.metadata, context.texts)?;
-    // The same event about another part, such as a battery, is another problem. Measured values vary.
+    // If the same event is about another part, such as another battery, it is another problem. Measured values vary.
     let parts: Vec<i128> = problem.values.iter().filter_map(|value| value.integer()).collect();
     let key = format!("{name} {parts:?}");
     let lane = context.lanes.get((TOPIC, subject, &key), || Lane {
@@ -253,7 +254,7 @@ pub fn full_name(event: &DecodedEvent<'_>) -> String {
     format!("{}::{}", event.component.namespace, event.event.name)
 }
 
-/// Describes an event: its name and its message, or its id and its bytes if nothing is known about it.
+/// Describes an event by its name and its message. If the event is unknown, uses its id and its bytes instead.
 pub(super) fn part(raw: &RawEvent, metadata: &EventMetadata, texts: &Texts) -> Part {
     if let Ok(event) = raw.decode(metadata.events()) {
         return Part::new(full_name(&event), texts.event(&event, metadata));

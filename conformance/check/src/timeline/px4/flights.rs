@@ -17,7 +17,7 @@ use crate::limits::{MAX_FLIGHTS, MAX_REFUSALS};
 use crate::timeline::label::{Label, Texts};
 use crate::timeline::lane::Part;
 
-/// The time within which an event about arming belongs to a change of the state, in µs.
+/// The maximum time between an event about arming and the change of state that it explains, in µs.
 const NEAR: u64 = 2_000_000;
 
 /// The summary for a pilot.
@@ -70,19 +70,20 @@ pub struct Flight {
 #[derive(Default)]
 pub(in crate::timeline) struct Flights {
     overview: Overview,
-    /// The channel of the state. A second channel means several vehicles, which can't be distinguished.
+    /// The channel that contains the vehicle's state. A second channel means that there are several vehicles, which
+    /// can't be distinguished.
     channel: Option<usize>,
     is_ambiguous: bool,
-    /// The subject of the reports.
+    /// The subject from which the reports come.
     reporter: Option<Arc<str>>,
     is_armed: Option<bool>,
     is_landed: Option<bool>,
     mode: Option<i128>,
     /// The modes in which the vehicle can't arm, according to the latest report.
     refused: Vec<Refused>,
-    /// The index of each current refusal, by bit.
+    /// The current refusals: their indices, by mode number.
     open: BTreeMap<u32, usize>,
-    /// The latest events about arming and disarming, each with its time.
+    /// The latest event about arming, and the latest event about disarming, each with its time.
     reasons: [Option<(u64, Part)>; 2],
 }
 
@@ -105,7 +106,8 @@ fn instant(time: u64) -> i64 {
 }
 
 impl Flights {
-    /// Takes the state from a message of `vehicle_status`. `stated` returns a reason in the message.
+    /// Takes the vehicle's state from a message of `vehicle_status`. `stated` returns the reason in a field of the
+    /// message.
     pub(super) fn status(
         &mut self,
         channel: &Channel<'_>,
@@ -140,7 +142,7 @@ impl Flights {
             }
         } else if was_armed.is_some() {
             let reason = self.reason(1, time).or_else(|| stated(ARMING_EVENTS[1].1));
-            // Without room for another flight, the last one has already ended.
+            // If there was no room for another flight, the last stored flight has already ended.
             let open = self.overview.flights.last_mut().filter(|flight| flight.disarmed_us.is_none());
             if let Some(flight) = open {
                 flight.disarmed_us = Some(instant(time));
@@ -150,7 +152,7 @@ impl Flights {
         }
     }
 
-    /// Takes the state from a message of `vehicle_land_detected`.
+    /// Takes takeoffs and landings from a message of `vehicle_land_detected`.
     pub(super) fn landed(&mut self, values: DynamicView<'_>, time: u64) {
         let Some(is_landed) = number(values, "landed").map(|landed| landed != 0) else { return };
         let was_landed = self.is_landed.replace(is_landed);
@@ -168,7 +170,7 @@ impl Flights {
         let Some(which) = which else { return };
         let Some(reason) = event.argument(0).map(|reason| reason.to_string()) else { return };
         let part = Part::new(event.event.name.clone(), Label::plain(&reason));
-        // The event may follow the state that it explains.
+        // The event may follow the change that it explains.
         let near = |at: Option<i64>| at.is_some_and(|at| time.abs_diff(at.unsigned_abs()) <= NEAR);
         if let Some(flight) = self.overview.flights.last_mut() {
             match which {
@@ -185,18 +187,18 @@ impl Flights {
         self.mode.and_then(|mode| u32::try_from(mode).ok())
     }
 
-    /// The reason in an event close in time. An event explains only one change.
+    /// The reason in an event that is close in time. Removes the event, because it explains only one change.
     fn reason(&mut self, which: usize, time: u64) -> Option<Part> {
         self.reasons[which].take().filter(|(at, _)| time.abs_diff(*at) <= NEAR).map(|(_, part)| part)
     }
 
-    /// Takes the subject of a report. A second subject means several vehicles.
+    /// Sets the subject of the reports. A second subject means that there are several vehicles.
     pub(super) fn reporter(&mut self, subject: &Arc<str>) {
         self.is_ambiguous |= self.reporter.as_ref().is_some_and(|known| known != subject);
         self.reporter = Some(Arc::clone(subject));
     }
 
-    /// Takes the reasons against arming from a report.
+    /// Takes the refusals from a report, with their reasons.
     pub(super) fn report(&mut self, report: &Report, refused: Vec<Refused>, time: u64) {
         if self.overview.modes.is_empty() {
             self.overview.modes = reported_modes(report);
@@ -272,7 +274,7 @@ fn part(mode: &ModeGroup) -> Part {
     Part::new(mode.name.clone(), Label::plain(&mode.description))
 }
 
-/// The reasons and the problems that concern all modes, as text. `None` if there are neither.
+/// The reasons, and the problems that concern all modes, as text. `None` if there are neither.
 pub fn reasons_text(reasons: &[Part], general: &[Part], text: impl Fn(&Part) -> String) -> Option<String> {
     let joined = |parts: &[Part]| parts.iter().map(&text).collect::<Vec<_>>().join("; ");
     match (reasons, general) {
@@ -287,8 +289,8 @@ pub fn reported_modes(report: &Report) -> Vec<Part> {
     report.modes.values().map(part).collect()
 }
 
-/// The modes in which the vehicle can't arm. If the vehicle can arm in another mode, the problems that concern all
-/// modes don't prevent arming.
+/// The modes in which the vehicle can't arm. The problems that concern all modes are left out for a mode that has other
+/// reasons, if the vehicle can arm in another mode: they don't prevent arming then.
 pub fn refused_modes(report: &Report, metadata: &EventMetadata, texts: &Texts) -> Vec<Refused> {
     let can_arm = report.modes.values().any(|mode| mode.can_arm);
     let problems = report.problems.iter().filter_map(|problem| {
@@ -344,7 +346,7 @@ mod tests {
         Types::new(&read(&sources, &[package]).0)
     }
 
-    /// A vehicle whose messages are followed. Times are in seconds since the start.
+    /// A vehicle whose messages are followed by the test. Times are in seconds since the start.
     struct Vehicle {
         types: Types,
         flights: Flights,
@@ -380,7 +382,7 @@ mod tests {
             self.flights.landed(value.view(), START + second * SECOND);
         }
 
-        /// Receives the event that says who armed or disarmed the vehicle.
+        /// Follows an event that states the reason for arming or disarming.
         fn event(&mut self, second: u64, name: &str) {
             let event =
                 json!({ "name": name, "message": "m", "arguments": [{ "name": "by", "type": "by_t" }] });
@@ -392,7 +394,8 @@ mod tests {
             self.flights.event(&event, START + second * SECOND);
         }
 
-        /// Receives a report: the modes in which the vehicle can't arm, and the problems, each with its modes as a mask.
+        /// Follows a report, with the modes in which the vehicle can't arm, and the problems. The modes of each problem
+        /// are a mask.
         fn report(&mut self, second: u64, refused: &[u32], problems: &[(&str, u64)]) {
             let mode = |bit: u32| ModeGroup {
                 name: format!("mode{bit}"),
@@ -430,7 +433,7 @@ mod tests {
         time.map(|time| time / SECOND.cast_signed())
     }
 
-    /// The time of arming and of disarming of each flight.
+    /// The times at which each flight was armed and disarmed.
     fn times(overview: &Overview) -> Vec<(Option<i64>, Option<i64>)> {
         let times = |flight: &Flight| (seconds(flight.armed_us), seconds(flight.disarmed_us));
         overview.flights.iter().map(times).collect()
@@ -441,7 +444,8 @@ mod tests {
         part.map_or("", |part| part.label.as_ref().map_or(&*part.name, |label| &*label.text))
     }
 
-    /// A refusal: the mode, the time at which it began and ended, whether the mode was selected, and the reasons.
+    /// A refusal: the mode, the times at which it began and ended, a flag that is true if the mode was selected, and
+    /// the reasons.
     type Row<'o> = (&'o str, Option<i64>, Option<i64>, bool, Vec<&'o str>);
 
     fn refusals(overview: &Overview) -> Vec<Row<'_>> {

@@ -12,25 +12,26 @@ use crate::timeline::lane::{Lane, LaneKind, Part, Severity, Value};
 
 const TOPIC: &str = "failsafe_flags";
 
-/// The name of the lane: the masks that it evaluates.
+/// The name of the lane, after the masks from which it is derived.
 const NAME: &str = "mode_req_*";
 
-/// Bit N of a mask belongs to the mode N, so the masks help only if the mode is known.
+/// Evaluates the mode requirements. Bit N of a mask belongs to mode N, so the masks are useful only if the current mode
+/// is known.
 #[derive(Default)]
 pub(super) struct Requirements {
-    /// The channel of the mode, with the mode.
+    /// The channel that contains the mode, and the latest mode.
     mode: Option<(usize, i128)>,
-    /// The channel of the flags.
+    /// The channel that contains the flags.
     channel: Option<usize>,
     /// True if there are several vehicles, whose messages can't be distinguished.
     is_ambiguous: bool,
-    /// The flags with a mask, once the first message has arrived.
+    /// The flags that have a mask. Set when the first message arrives.
     pairs: Option<Vec<Pair>>,
     /// The indices of the latest unmet requirements.
     unmet: Option<Vec<usize>>,
 }
 
-/// A flag, and the mask of the modes for which it matters.
+/// A flag, and the mask of the modes that require it to be clear.
 struct Pair {
     flag: usize,
     mask: usize,
@@ -108,7 +109,7 @@ fn pairs(definition: MessageId, values: DynamicView<'_>, context: &Context<'_>) 
     required_flags(values).into_iter().filter_map(pair).collect()
 }
 
-/// The indices of the flags of a message that have a mask, each with the index of the mask.
+/// The flags of a message that have a mask: the index of each flag, and the index of its mask.
 pub fn required_flags(values: DynamicView<'_>) -> Vec<(usize, usize)> {
     let mut found = Vec::new();
     for (mask, (requirement, _)) in values.fields().enumerate() {

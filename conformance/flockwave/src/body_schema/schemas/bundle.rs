@@ -33,7 +33,7 @@ const INERT: [&str; 8] =
 /// A copy of a schema, whose references lead to other parts.
 pub(super) struct Part<'f> {
     pub place: Place<'f>,
-    /// The location in the file, in short.
+    /// The short form of the location in the file.
     pub location: String,
     pub value: Value,
     /// The size without the targets of references.
@@ -69,7 +69,7 @@ pub(super) struct Bundle<'f, 'p> {
     places: &'p Places<'f>,
     /// The number of values in this and earlier copies.
     copied: &'p mut usize,
-    /// The schemas. The first one is the schema itself.
+    /// The copied schemas. The first one is the schema itself.
     pub parts: Vec<Part<'f>>,
     /// The number of patterns.
     pub patterns: usize,
@@ -170,14 +170,14 @@ impl<'f, 'p> Bundle<'f, 'p> {
         Ok(Value::Object(copy))
     }
 
-    /// The address by which a part refers to the part with this target.
+    /// Adds a reference from a part to `target`. Returns the address of the part that is a copy of `target`.
     fn address(&mut self, part: usize, target: Place<'f>, location: String, depth: u64) -> String {
         let target = self.part(target, location);
         self.parts[part].references.push((depth, target));
         address(target)
     }
 
-    /// A copy of a value that is data, except for these schemas in it.
+    /// Copies a value. The values in it that `schemas` contains are copied as schemas, and all others as data.
     fn copy(
         &mut self,
         part: usize,
@@ -200,7 +200,7 @@ impl<'f, 'p> Bundle<'f, 'p> {
         })
     }
 
-    /// Counts the values of a part.
+    /// Adds to the number of copied values. Fails if there are too many.
     fn charge(&mut self, part: usize, values: usize) -> Result<(), Problem> {
         let copied = *self.copied + values;
         if copied > MAX_COPIED {

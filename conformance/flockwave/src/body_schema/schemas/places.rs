@@ -57,7 +57,7 @@ pub(super) struct Places<'f> {
     by_name: HashMap<&'f str, Option<usize>>,
     /// The anchors by document and name. `None` if a name occurs twice.
     anchors: HashMap<(usize, &'f str), Option<Place<'f>>>,
-    /// The number of schemas by their `$dynamicAnchor`. The name of a `$recursiveAnchor` is empty.
+    /// For each `$dynamicAnchor`, the number of schemas that have it. The name of a `$recursiveAnchor` is empty.
     dynamic: HashMap<&'f str, usize>,
 }
 
@@ -115,7 +115,8 @@ impl<'f> Places<'f> {
         }
     }
 
-    /// A place with an `$id`, as part of the document that has the `$id`.
+    /// Adds the document that starts at a place with an `$id`. Returns the place as part of this document, or unchanged
+    /// if the `$id` is invalid.
     fn with_id(&mut self, file: usize, place: Place<'f>, id: &str) -> Place<'f> {
         let base = &self.documents[place.document].address;
         let id = id.split('#').next().unwrap_or_default();
@@ -161,7 +162,7 @@ impl<'f> Places<'f> {
         &self.files[self.documents[place.document].file]
     }
 
-    /// The location in the file to which a reference leads, in short: a JSON pointer, or the reference.
+    /// The short form of the location in the file to which a reference leads: a JSON pointer, or the reference.
     pub(super) fn label(&self, target: Place<'f>, reference: &str) -> String {
         let (_, fragment) = reference.split_once('#').unwrap_or_default();
         let is_in_file = target.document < self.files.len();
@@ -240,8 +241,8 @@ impl<'f> Places<'f> {
         }
     }
 
-    /// The place in a document with this fragment of a reference, which is a pointer or an anchor. An empty fragment
-    /// means the whole document.
+    /// The place in a document that the fragment of a reference denotes. The fragment is a pointer or an anchor; an
+    /// empty one denotes the whole document.
     fn fragment(&self, document: usize, fragment: &str) -> Option<Place<'f>> {
         let fragment = decoded(fragment)?;
         if fragment.is_empty() || fragment.starts_with('/') {
@@ -262,7 +263,7 @@ fn put<K: std::hash::Hash + Eq>(map: &mut HashMap<K, Option<usize>>, key: K, ind
     map.entry(key).and_modify(|known| *known = known.filter(|known| *known == index)).or_insert(Some(index));
 }
 
-/// The JSON pointer to a value in another one.
+/// The JSON pointer that leads from `root` to the nested value `wanted`.
 fn pointer_to(root: &Value, wanted: &Value) -> Option<String> {
     if std::ptr::eq(root, wanted) {
         return Some(String::new());

@@ -84,7 +84,7 @@ fn only_keywords_are_references() {
     }
 }
 
-/// One file may describe many types. Its schema is compiled once.
+/// If a file describes many types, its schema is compiled only once.
 #[test]
 fn types_share_a_schema() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -62,7 +62,7 @@ pub(super) struct HttpClient {
 }
 
 impl HttpClient {
-    /// Fails if there is no server, or if its certificate is invalid.
+    /// Creates a client, after a test connection. Fails if there is no server, or if its certificate is invalid.
     pub(super) fn connect(target: Target, access: &Access, until: Instant) -> io::Result<Self> {
         let is_encrypted = target.address.is_encrypted;
         // Requests open their own connections. This connection only shows that there is a server.
@@ -70,7 +70,7 @@ impl HttpClient {
         Ok(Self { agent: new_agent(access, is_encrypted), target, access: access.clone() })
     }
 
-    /// The client of another path or query on the same server.
+    /// A client for another path or query on the same server.
     pub(super) fn at(&self, path: String) -> Self {
         let target = Target { path, ..self.target.clone() };
         Self { target, ..self.clone() }
@@ -179,17 +179,17 @@ fn explain(target: &Target, error: ureq::Error) -> io::Error {
     }
 }
 
-/// The error of a server that doesn't answer in time.
+/// The error for a server that doesn't answer in time.
 fn no_answer() -> io::Error {
     timed_out("timed out: no HTTP response")
 }
 
-/// The error of an answer that isn't HTTP. Servers that expect TLS also send such answers.
+/// The error for an answer that isn't HTTP. Servers that expect TLS may also answer in this way.
 pub(super) fn not_http(target: &Target, error: &dyn std::fmt::Display) -> io::Error {
     invalid(format!("the server's answer isn't HTTP ({error}){}", tls_hint(target)))
 }
 
-/// Advice for a connection without TLS that fails.
+/// Advice to use TLS, for the error of a failed connection. Empty if the connection already used TLS.
 pub(super) fn tls_hint(target: &Target) -> &'static str {
     if target.address.is_encrypted {
         ""

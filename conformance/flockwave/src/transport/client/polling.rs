@@ -222,7 +222,8 @@ impl Polling {
         }
     }
 
-    /// Queues a ping or a pong. A server that sends more pings than it receives pongs doesn't need all of them.
+    /// Queues a ping or a pong, or drops it if the queue is full. A server that sends pings so fast doesn't need a pong
+    /// for each.
     fn ping(&self, packet: Packet) {
         let _ = self.pings.try_send(packet);
     }
@@ -264,7 +265,7 @@ impl Drop for Polling {
     }
 }
 
-/// Starts the threads that poll and that send pings. Returns their channels.
+/// Starts two threads: one polls, and the other sends pings and pongs. Returns their channels.
 fn start_threads(
     client: &HttpClient,
     revision: Revision,
@@ -288,7 +289,7 @@ fn post(client: &HttpClient, revision: Revision, packets: &[Packet], until: Inst
     client.post("text/plain;charset=UTF-8", encode(revision, packets).as_bytes(), until).map(|_| ())
 }
 
-/// Polls until the receiver is gone or the session ends.
+/// Polls until the receiver of the payloads is dropped or the session ends.
 fn poll(client: &HttpClient, payloads: &SyncSender<io::Result<Vec<u8>>>) {
     loop {
         let payload = client.get(Clock::real().now() + POLL_LIMIT);
@@ -303,7 +304,8 @@ fn poll(client: &HttpClient, payloads: &SyncSender<io::Result<Vec<u8>>>) {
 mod tests {
     use super::*;
 
-    /// The sent packets, the packets to return later, and a flag that is true if the handshake is complete.
+    /// Performs a handshake in which these packets arrive. Returns the sent packets, the packets to return later, and
+    /// true if the handshake is complete.
     fn opened(revision: Revision, packets: &[&str]) -> io::Result<(Vec<String>, Vec<String>, bool)> {
         let (mut opening, mut heartbeat) = (Opening::new(revision), Heartbeat::new(revision));
         let mut sent = Vec::new();

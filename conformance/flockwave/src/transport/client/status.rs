@@ -14,7 +14,7 @@ const EXCERPT: usize = 200;
 
 const REFUSED_LOGIN: &str = "the server refused the login: check the name and the password in --login";
 
-/// The error of a response whose status isn't the expected one.
+/// The error for a response with an unexpected status.
 #[derive(Debug)]
 struct StatusError {
     status: u16,
@@ -29,7 +29,8 @@ impl std::fmt::Display for StatusError {
     }
 }
 
-/// The HTTP status that caused an error. The status is a redirect's if the client doesn't follow it.
+/// The HTTP status that caused an error. If the client refused to follow a redirect, this is the status of the
+/// redirect.
 pub fn http_status(error: &io::Error) -> Option<u16> {
     Some(error.get_ref()?.downcast_ref::<StatusError>()?.status)
 }
@@ -59,7 +60,7 @@ impl Refusal<'_> {
         match self.status.as_u16() {
             200..=299 => format!("the server doesn't open a WebSocket at {target}"),
             401 => self.unauthorized(),
-            403 if self.has_login() => format!("{REFUSED_LOGIN}, and its access to {target}"),
+            403 if self.has_login() => format!("{REFUSED_LOGIN}, and whether it may access {target}"),
             403 => format!("the server refuses access to {target}"),
             404 => format!("no service at {target}: check the host, the port and the path in the URL"),
             405 => format!("wrong service at {target}: check the path in the URL"),
@@ -129,7 +130,7 @@ pub(super) fn redirected(
     }
 }
 
-/// The error of a request that is redirected again and again.
+/// The error for a request that is redirected too many times.
 pub(super) fn too_many_redirects(target: &Target) -> io::Error {
     let text = format!("more than {REDIRECT_LIMIT} redirects, the last one to {target}");
     io::Error::new(io::ErrorKind::InvalidData, text)

@@ -54,7 +54,7 @@ impl Target {
         (is_same_host && is_as_safe).then_some(Self { address, path })
     }
 
-    /// The path of a relative URL.
+    /// The path that a relative URL denotes.
     fn joined(&self, relative: &str) -> String {
         if relative.starts_with('/') {
             return relative.to_owned();

@@ -90,7 +90,8 @@ impl Client for Udp {
     }
 }
 
-/// Opens a socket for the last address that can be reached, and removes it and the addresses after it.
+/// Opens a socket for the last reachable address in the list. Removes this address and all addresses after it. If none
+/// can be reached, returns the last error.
 fn open_next(addresses: &mut Vec<SocketAddr>) -> Option<io::Result<UdpSocket>> {
     let mut opened = None;
     while !matches!(opened, Some(Ok(_)))

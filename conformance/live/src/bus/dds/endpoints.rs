@@ -12,7 +12,7 @@ use super::partitions::Partitions;
 use super::{names, qos};
 use crate::limits::MAX_ENDPOINTS;
 
-/// The start of the names of built-in topics. Programs with this transport subscribe to them.
+/// The prefix of the names of built-in topics. Programs that use this transport subscribe to these topics.
 const BUILT_IN: &str = "DCPS";
 
 /// The first 12 bytes of a GUID, which identify the participant.
@@ -42,7 +42,7 @@ impl<'a> Found<'a> {
         Self { kind, guid: *guid, topic: topic_name, type_name, qos: qos.clone(), user_data }
     }
 
-    /// A publisher that rustdds knows.
+    /// A publisher that rustdds has discovered.
     pub(crate) fn writer(writer: &'a DiscoveredWriterData) -> Self {
         let data = &writer.publication_topic_data;
         Self {
@@ -55,7 +55,7 @@ impl<'a> Found<'a> {
         }
     }
 
-    /// A subscriber that rustdds knows.
+    /// A subscriber that rustdds has discovered.
     pub(crate) fn reader(reader: &'a DiscoveredReaderData) -> Self {
         let data = &reader.subscription_topic_data;
         Self {
@@ -82,7 +82,7 @@ impl<'a> Found<'a> {
     }
 }
 
-/// The known endpoints and participants. An error means that there are too many.
+/// The known endpoints and participants. Methods return an error if there are too many.
 pub(crate) struct Endpoints {
     own: Prefix,
     known: HashMap<GUID, Endpoint>,
@@ -92,7 +92,7 @@ pub(crate) struct Endpoints {
 }
 
 impl Endpoints {
-    /// Endpoints of the participant `own` are skipped.
+    /// Creates an empty set. Endpoints of the participant `own` will be skipped.
     pub(crate) fn new(own: GUID, partitions: Partitions) -> Self {
         Self { own: prefix(own), known: HashMap::new(), participants: HashMap::new(), partitions }
     }
@@ -113,7 +113,7 @@ impl Endpoints {
         self.known.values().any(|endpoint| is_match(endpoint) && stores(endpoint))
     }
 
-    /// Adds an endpoint. Reports it if it is new, or changed.
+    /// Adds an endpoint, and reports it if it is new or has changed.
     pub(crate) fn add(&mut self, found: &Found<'_>, events: &mut Vec<Event>) -> Result<(), String> {
         if self.is_own(found.guid) || found.topic.starts_with(BUILT_IN) {
             return Ok(());
@@ -167,7 +167,7 @@ impl Endpoints {
         events.extend(removed.map(|(_, endpoint)| Event::Ended(endpoint.id)));
     }
 
-    /// Adds a participant. If its name changed, reports its endpoints.
+    /// Adds a participant. If its name has changed, reports its endpoints.
     pub(crate) fn add_participant(
         &mut self,
         guid: GUID,
@@ -193,7 +193,7 @@ pub(crate) fn stores(endpoint: &Endpoint) -> bool {
     endpoint.kind == EndpointKind::Publisher && endpoint.qos.as_ref().is_some_and(stores)
 }
 
-/// An error if there are too many of `things`.
+/// Fails if there are too many of `things`.
 pub(crate) fn limit(count: usize, things: &str) -> Result<(), String> {
     if count <= MAX_ENDPOINTS {
         return Ok(());

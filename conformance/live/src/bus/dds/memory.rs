@@ -1,18 +1,18 @@
-//! The limit of memory in a domain.
+//! The memory limit for a domain.
 //!
-//! rustdds reserves memory for a fragmented message of the size that its first fragment claims, before it knows the sender.
-//! It has no setting to limit this. A forged fragment would let the process use memory until the system ends it, or
-//! another process.
+//! When rustdds receives the first fragment of a message, it reserves memory of the size that the fragment claims,
+//! before it knows the sender. No setting limits this. With forged fragments, the process would use memory until the
+//! system kills it, or another process.
 
 use std::time::{Duration, Instant};
 
 use uavspec_model::clock::Clock;
 
-/// The growth of memory at which the connection ends, in bytes. Subscribers of several cameras need less.
+/// The growth of memory at which the connection ends, in bytes. Even the subscribers of several cameras need less.
 const MAX_GROWTH: u64 = 2 << 30;
 
-/// The growth of memory at which allocations fail, in bytes. A fragment claims 4 GiB at most, so the connection can end
-/// earlier.
+/// The growth of memory at which allocations fail, in bytes. A fragment claims at most 4 GiB, so the connection can end
+/// before this limit is reached.
 #[cfg(target_os = "linux")]
 const HARD_LIMIT: u64 = 7 << 30;
 
@@ -27,14 +27,14 @@ pub(crate) struct Memory {
 }
 
 impl Memory {
-    /// Starts to measure. Also lets allocations beyond the hard limit fail, which ends the program.
+    /// Starts the measurement. From then on, allocations beyond the hard limit fail, which ends the program.
     pub(crate) fn start() -> Self {
         let start = used().unwrap_or(0);
         limit(start);
         Self { start, next: Clock::real().now() }
     }
 
-    /// Fails if too much memory is used.
+    /// Fails if the process uses too much memory.
     pub(crate) fn check(&mut self) -> Result<(), String> {
         if Clock::real().now() < self.next {
             return Ok(());
@@ -51,19 +51,19 @@ impl Memory {
     }
 }
 
-/// The private memory of this process, in bytes, including reserved memory.
+/// The size of this process's private memory, in bytes, including reserved memory.
 fn used() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmData:"))?;
     line.trim().strip_suffix(" kB")?.parse().ok().map(|size: u64| size << 10)
 }
 
-/// Lowers the limit of private memory to the hard limit.
+/// Lowers the system's limit on private memory to the hard limit.
 #[cfg(target_os = "linux")]
 fn limit(start: u64) {
     use nix::sys::resource::{Resource, getrlimit, setrlimit};
     if let Ok((soft, hard)) = getrlimit(Resource::RLIMIT_DATA) {
-        // Without this limit, the probe still works.
+        // The probe also works without this limit.
         let _ = setrlimit(Resource::RLIMIT_DATA, soft.min(start + HARD_LIMIT), hard);
     }
 }

@@ -21,7 +21,8 @@ pub(crate) fn type_hash(user_data: &[u8]) -> Option<&str> {
     (text.starts_with("RIHS") && text.len() <= MAX_NAME).then_some(text)
 }
 
-/// The name of a participant. `rmw` names participants after their enclave, which is `/` if there is none.
+/// The name of a node, from the name of its participant. `rmw` names participants after their enclave, which is `/` if
+/// there is none.
 pub(crate) fn node(name: &str) -> Option<&str> {
     Some(name).filter(|name| !name.trim_matches('/').is_empty() && name.len() <= MAX_NAME)
 }

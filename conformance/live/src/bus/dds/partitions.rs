@@ -1,7 +1,7 @@
 //! The partitions of endpoints, which rustdds ignores.
 //!
 //! rustdds keeps the announcements of endpoints in the caches of built-in topics. All subscribers of a topic share its
-//! cache, so a subscriber of a built-in topic returns the announcements as they were received.
+//! cache, so a subscriber of a built-in topic returns the announcements in the form in which they were received.
 
 use std::collections::HashMap;
 
@@ -18,7 +18,7 @@ const TOPICS: [&str; 2] = ["DCPSPublication", "DCPSSubscription"];
 /// The number of announcements that may arrive between two calls of [`Partitions::read`].
 const DEPTH: u32 = 1_024;
 
-/// The number of attempts to read an announcement. rustdds also returns no announcement for each endpoint that ended.
+/// The maximum number of attempts to read an announcement. For each endpoint that has ended, an attempt returns none.
 const MAX_SKIPPED: u32 = 16;
 
 /// The maximum number of partitions of an endpoint.
@@ -33,7 +33,7 @@ const PARTITION: u16 = 0x29;
 /// The id of the last parameter.
 const END: u16 = 0x01;
 
-/// The partitions of the endpoints that were announced. Endpoints in the default partition aren't listed.
+/// The partitions of the endpoints that have been announced. Endpoints in the default partition aren't listed.
 pub(crate) struct Partitions {
     readers: Vec<RawReader>,
     known: HashMap<[u8; 16], Vec<String>>,
@@ -55,7 +55,7 @@ impl Partitions {
         Ok(Self { readers, known: HashMap::new() })
     }
 
-    /// Reads the announcements that arrived since the last call. `is_known` is true for endpoints that exist.
+    /// Reads the announcements that have arrived since the last call. `is_known` returns true for endpoints that exist.
     pub(crate) fn read(&mut self, is_known: impl Fn(&[u8; 16]) -> bool) {
         for reader in &self.readers {
             let mut skipped = 0;
@@ -70,7 +70,7 @@ impl Partitions {
                             }
                         }
                     }
-                    // No announcement is left, or an endpoint ended.
+                    // Either no announcement is left, or an endpoint has ended.
                     _ => skipped += 1,
                 }
             }
@@ -80,7 +80,7 @@ impl Partitions {
         }
     }
 
-    /// The partitions of an endpoint; none if it is in the default partition.
+    /// The partitions of an endpoint; empty if it is in the default partition.
     pub(crate) fn of(&self, guid: &[u8; 16]) -> Vec<String> {
         self.known.get(guid).cloned().unwrap_or_default()
     }
@@ -103,7 +103,7 @@ fn announcement(payload: &[u8]) -> Option<([u8; 16], Vec<String>)> {
     Some((guid?, partitions))
 }
 
-/// The order of bytes in numbers.
+/// The byte order of numbers.
 #[derive(Clone, Copy)]
 enum Order {
     Little,
@@ -130,7 +130,8 @@ fn parameter(order: Order, bytes: &[u8]) -> Option<(u16, &[u8], &[u8])> {
     Some((order.u16(*id), value, rest))
 }
 
-/// The strings of a list. An empty name denotes the default partition, which also applies without a list.
+/// The strings in a list. An empty name denotes the default partition. Without a list, the endpoint is also in the
+/// default partition.
 fn names(order: Order, value: &[u8]) -> Vec<String> {
     let Some((count, mut rest)) = value.split_first_chunk() else { return Vec::new() };
     let count = order.length(*count).unwrap_or(usize::MAX).min(MAX_PARTITIONS);
@@ -144,7 +145,7 @@ fn names(order: Order, value: &[u8]) -> Vec<String> {
     if names.iter().all(String::is_empty) { Vec::new() } else { names }
 }
 
-/// The first string, and the bytes after it and its padding.
+/// The first string, and the bytes after the string and its padding.
 fn name(order: Order, bytes: &[u8]) -> Option<(String, &[u8])> {
     let (length, rest) = bytes.split_first_chunk()?;
     let length = order.length(*length)?;

@@ -1,14 +1,14 @@
 //! Discovery without multicast.
 //!
-//! rustdds announces its participant by multicast, and on this computer. The announcer sends the same announcement (SPDP)
-//! to peers. A peer then announces itself to us, and rustdds does the rest.
+//! rustdds announces its participant by multicast, and to this computer. The announcer also sends this announcement
+//! (SPDP) to peers. A peer then announces itself to us, and rustdds does the rest.
 
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, SocketAddrV4, UdpSocket};
 
 use rustdds::Timestamp;
 
-/// The number of participants that are found on a peer.
+/// The maximum number of participants that can be found on a peer.
 const PARTICIPANTS: u16 = 10;
 
 /// The time after which a peer discards the announcement, in seconds.
@@ -32,7 +32,7 @@ pub(crate) struct Identity {
 #[derive(Debug)]
 pub(crate) struct Announcer {
     identity: Identity,
-    /// The addresses of the peers, each with the address to which it replies.
+    /// The addresses of the peers, each with the local address to which the peer replies.
     peers: Vec<(Ipv4Addr, Ipv4Addr)>,
     socket: UdpSocket,
     sequence: u32,
@@ -55,7 +55,7 @@ impl Announcer {
         for (peer, local) in &self.peers {
             let announcement = announcement(&self.identity, *local, self.sequence);
             for port in (0..PARTICIPANTS).filter_map(|index| discovery_port(self.identity.domain, index)) {
-                // Ports without a participant refuse the datagram.
+                // Ports without a participant reject the datagram.
                 let _ = self.socket.send_to(&announcement, SocketAddrV4::new(*peer, port));
             }
         }
@@ -63,7 +63,7 @@ impl Announcer {
     }
 }
 
-/// The address of this computer from which datagrams to a peer are sent. Sends nothing.
+/// The address of this computer from which it sends datagrams to a peer. Sends nothing.
 fn local_address(peer: Ipv4Addr) -> io::Result<Ipv4Addr> {
     let socket = UdpSocket::bind((Ipv4Addr::UNSPECIFIED, 0))?;
     socket.connect((peer, 7400))?;
@@ -78,13 +78,13 @@ fn discovery_port(domain: u16, index: u16) -> Option<u16> {
     u16::try_from(7410 + 250 * u32::from(domain) + 2 * u32::from(index)).ok()
 }
 
-/// A RTPS message with a timestamp and an announcement.
+/// An RTPS message with a timestamp and an announcement.
 fn announcement(identity: &Identity, local: Ipv4Addr, sequence: u32) -> Vec<u8> {
     let mut bytes = b"RTPS\x02\x04\x01\x12".to_vec();
     bytes.extend_from_slice(&identity.guid[..12]);
     submessage(&mut bytes, 0x09, 0x01, &timestamp());
     let mut data = vec![0, 0, 16, 0];
-    // From the writer of participants to its readers.
+    // From the writer of participant announcements to its readers.
     data.extend_from_slice(&[0, 1, 0, 0xc7, 0, 1, 0, 0xc2]);
     data.extend_from_slice(&0_u32.to_le_bytes());
     data.extend_from_slice(&sequence.to_le_bytes());
@@ -95,7 +95,7 @@ fn announcement(identity: &Identity, local: Ipv4Addr, sequence: u32) -> Vec<u8> 
     bytes
 }
 
-/// The time, in seconds and fractions of 2^-32 s.
+/// The current time, in seconds and fractions of 2^-32 s.
 fn timestamp() -> [u8; 8] {
     Timestamp::now().to_ticks().rotate_left(32).to_le_bytes()
 }
@@ -121,14 +121,14 @@ fn submessage(bytes: &mut Vec<u8>, id: u8, flags: u8, content: &[u8]) {
     bytes.extend_from_slice(content);
 }
 
-/// Appends a parameter. The length of the value is a multiple of 4.
+/// Appends a parameter. The length of the value must be a multiple of 4.
 fn parameter(bytes: &mut Vec<u8>, id: u16, value: &[u8]) {
     bytes.extend_from_slice(&id.to_le_bytes());
     bytes.extend_from_slice(&length(value));
     bytes.extend_from_slice(value);
 }
 
-/// The length. All contents are short.
+/// The length of a content, which must be short.
 fn length(content: &[u8]) -> [u8; 2] {
     u16::try_from(content.len()).unwrap_or(u16::MAX).to_le_bytes()
 }

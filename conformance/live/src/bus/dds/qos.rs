@@ -46,7 +46,7 @@ fn from_liveliness(liveliness: policy::Liveliness) -> (Liveliness, Option<Durati
     (kind, finite(lease))
 }
 
-/// A duration; `None` if it is infinite. A negative duration is invalid, and counts as zero.
+/// A duration. `None` if it is infinite. A negative duration is invalid, and is treated as zero.
 fn finite(duration: rustdds::Duration) -> Option<Duration> {
     let time = Duration::from_nanos(u64::try_from(duration.to_nanoseconds()).unwrap_or(0));
     (time < Duration::from_secs(INFINITE)).then_some(time)

@@ -10,8 +10,8 @@ use uavspec_model::{History, Qos};
 use super::super::Topic;
 use super::{names, qos};
 
-/// The number of messages that rustdds stores for each topic: 256 ms at 250 Hz. It also stores messages that were read or
-/// sent.
+/// The number of messages that rustdds stores for each topic: 256 ms at 250 Hz. It includes messages that have already
+/// been read or sent.
 pub(crate) const DEPTH: u32 = 64;
 
 /// A subscriber of serialized messages.
@@ -30,7 +30,8 @@ impl Readers {
         Ok(Self { participant: participant.clone(), subscriber })
     }
 
-    /// Creates a subscriber of a topic. All subscribers store the same number of messages, which DDS doesn't announce.
+    /// Creates a subscriber of a topic. The number of stored messages is the same for all subscribers, and DDS doesn't
+    /// announce it.
     pub(crate) fn create(&self, topic: &Topic, qos: &Qos) -> Result<RawReader, String> {
         let policies = qos::to_policies(&Qos { history: Some(History::KeepLast(DEPTH)), ..qos.clone() });
         let (name, type_name) = (names::topic_to_dds(&topic.name), topic.dds_type());
@@ -41,7 +42,7 @@ impl Readers {
     }
 }
 
-/// Passes on serialized messages.
+/// An adapter that passes on serialized messages unchanged.
 pub(crate) struct RawAdapter;
 
 /// All encodings that rustdds knows.
@@ -86,7 +87,7 @@ impl DefaultDecoder<Vec<u8>> for RawAdapter {
     const DECODER: RawDecoder = RawDecoder;
 }
 
-/// Restores the encapsulation header of messages.
+/// A decoder that restores the encapsulation header of messages.
 #[derive(Clone)]
 pub(crate) struct RawDecoder;
 
@@ -94,7 +95,7 @@ impl Decode<'_, Vec<u8>> for RawDecoder {
     type Error = Infallible;
 
     fn decode_bytes(self, body: &[u8], encoding: RepresentationIdentifier) -> Result<Vec<u8>, Infallible> {
-        // rustdds drops the options, which contain at most the number of padding bytes.
+        // rustdds drops the options. They contain at most the number of padding bytes.
         Ok([&encoding.to_bytes(), &[0; 2], body].concat())
     }
 }

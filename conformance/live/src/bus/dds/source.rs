@@ -13,11 +13,11 @@ use super::super::{Encoding, Event, MAX_ENDPOINTS, Received, Topic};
 use super::endpoints::Endpoints;
 use super::reader::{RawReader, Readers};
 
-/// The maximum number of messages that are read from a topic before the next topic's turn.
+/// The maximum number of messages that are read from a topic before the next topic is read.
 const BATCH: usize = 64;
 
-/// The maximum distance of a late message from the latest one. A greater distance means that the publisher's numbering
-/// restarted.
+/// The maximum distance between the sequence numbers of a late message and the latest one. A greater distance means
+/// that the publisher's numbering has restarted.
 const MAX_LATENESS: u64 = 1_000;
 
 /// A subscribed topic.
@@ -25,10 +25,10 @@ pub(crate) struct Source {
     pub(crate) topic: Topic,
     token: Token,
     reader: RawReader,
-    /// A subscriber that requests stored messages. `reader` returns its messages, too: the subscribers of a topic share a
-    /// cache.
+    /// A subscriber that requests stored messages. Its messages are also returned by `reader`, because all subscribers
+    /// of a topic share a cache.
     stored: Option<RawReader>,
-    /// True if a publisher may send missing messages again.
+    /// True if publishers may send missing messages again.
     is_reliable: bool,
     publishers: HashMap<GUID, Publisher>,
     /// True if there may be messages to read.
@@ -60,7 +60,7 @@ impl Source {
         Ok(Self { topic, token, reader, stored: None, is_reliable, publishers, has_more: true })
     }
 
-    /// Requests the messages that publishers store. Does nothing if they were already requested.
+    /// Requests the messages that publishers store. Does nothing if they have already been requested.
     pub(crate) fn request_stored(&mut self, readers: &Readers, registry: &Registry) -> Result<(), String> {
         if self.stored.is_none() {
             let qos = Qos { reliability: Reliability::Reliable, ..Qos::PX4 };
@@ -72,7 +72,7 @@ impl Source {
         Ok(())
     }
 
-    /// Resets the notifications of rustdds, which precede messages.
+    /// Resets rustdds's notifications of new messages. Must be called before the messages are read.
     pub(crate) fn notice(&mut self) {
         for reader in [Some(&self.reader), self.stored.as_ref()].into_iter().flatten() {
             reader.drain_read_notifications();
@@ -80,7 +80,7 @@ impl Source {
         self.has_more = true;
     }
 
-    /// Reads some messages. An error describes a message that can't be read.
+    /// Reads some messages. The error describes a message that can't be read.
     pub(crate) fn read(&mut self, endpoints: &Endpoints, events: &Sender) -> Result<(), String> {
         for _ in 0..BATCH {
             match self.reader.try_take_one() {
@@ -105,7 +105,7 @@ impl Source {
         let (number, is_reliable) = (message.sequence_number.into(), self.is_reliable);
         let publisher = self.publisher(guid, number, endpoints);
         if !is_reliable && publisher.is_late(number) {
-            // The message was reported as lost. ROS subscribers also ignore such messages.
+            // The message has already been reported as lost. ROS subscribers also ignore such messages.
             return;
         }
         publisher.count(number);
@@ -117,7 +117,7 @@ impl Source {
         events.send(Event::Message(Received::new(topic, Encoding::Cdr, time, message.sample)));
     }
 
-    /// The state of a publisher whose next message has this sequence number.
+    /// The state of a publisher. `number` is the sequence number of its next message.
     fn publisher(&mut self, guid: GUID, number: i64, endpoints: &Endpoints) -> &mut Publisher {
         if self.publishers.len() >= MAX_ENDPOINTS {
             // Former publishers, or forged ones.
@@ -145,7 +145,7 @@ impl Source {
 }
 
 impl Publisher {
-    /// True if a later message has arrived already, or the same one.
+    /// True if this message or a later one has already arrived.
     fn is_late(&self, number: i64) -> bool {
         number <= self.last && self.last.abs_diff(number) <= MAX_LATENESS
     }
@@ -158,7 +158,7 @@ impl Publisher {
         }
     }
 
-    /// Counts missing messages. A low sequence number belongs to a message that was missing.
+    /// Updates the counts for a message. A low sequence number belongs to a message that was missing.
     fn count(&mut self, number: i64) {
         match number.saturating_sub(self.last) {
             ..=0 => self.missing = self.missing.saturating_sub(1),

@@ -30,7 +30,8 @@ const WAKE: Token = Token(0);
 const STATUS: Token = Token(1);
 const FIRST_SOURCE: usize = 2;
 
-/// The period of announcements, and of comparisons with the tables of rustdds: it drops events if there are many.
+/// The period of announcements, and of comparisons with the tables of rustdds. The comparisons are needed because
+/// rustdds drops events if there are many.
 const PERIOD: Duration = Duration::from_secs(2);
 
 /// The maximum number of discovery events that are handled in one turn.
@@ -45,13 +46,14 @@ const PAUSE: Duration = Duration::from_millis(5);
 /// The maximum number of subscribed topics.
 const MAX_SOURCES: usize = 1_000;
 
-/// The number of open files of a topic: two subscribers with two pairs of sockets each.
+/// The number of open files for each topic: two subscribers, each with two pairs of sockets.
 const FILES_OF_A_SOURCE: u64 = 8;
 
-/// The number of open files for all topics. Half of the files are reserved for other purposes.
+/// The number of files that the process may open, if all topics are subscribed. Half of them are reserved for other
+/// purposes.
 pub(crate) const FILES: u64 = 2 * FILES_OF_A_SOURCE * MAX_SOURCES as u64;
 
-/// The running thread. It ends when it is dropped.
+/// The running thread. Dropping this value ends it.
 pub(crate) struct Worker {
     commands: Option<mpsc::Sender<(Topic, Qos)>>,
     waker: Waker,
@@ -94,7 +96,7 @@ impl Worker {
         start().map_err(|error| format!("can't start a thread: {error}"))
     }
 
-    /// Subscribes to a topic, once.
+    /// Subscribes to a topic, unless it is already subscribed.
     pub(crate) fn subscribe(&self, topic: Topic, qos: Qos) -> Result<(), String> {
         let is_sent = self.commands.as_ref().is_some_and(|commands| commands.send((topic, qos)).is_ok());
         if !is_sent {
@@ -114,7 +116,7 @@ impl Drop for Worker {
     }
 }
 
-/// The number of topics for which the process may open files.
+/// The number of topics for which the process can open enough files.
 fn max_sources() -> usize {
     // Half of the files are reserved for other purposes.
     let sources = open_files().and_then(|files| usize::try_from(files / 2 / FILES_OF_A_SOURCE).ok());
@@ -154,7 +156,7 @@ struct State {
 }
 
 impl State {
-    /// Works until the bus is dropped. An error is the reason why the connection ended.
+    /// Works until the bus is dropped. The error is the reason why the connection ended.
     fn work(&mut self) -> Result<(), String> {
         let mut events = Events::with_capacity(256);
         let mut next = Clock::real().now();
@@ -193,7 +195,7 @@ impl State {
             if let Some(source) = source.and_then(|index| self.sources.get_mut(index)) {
                 // The other end belongs to a thread of rustdds.
                 if event.is_read_closed() {
-                    return Err("rustdds stopped to receive messages".to_owned());
+                    return Err("rustdds stopped receiving messages".to_owned());
                 }
                 source.notice();
             }
@@ -201,7 +203,7 @@ impl State {
         Ok(())
     }
 
-    /// Subscribes to new topics. Returns false if the bus was dropped.
+    /// Subscribes to new topics. Returns false if the bus has been dropped.
     fn subscribe(&mut self) -> bool {
         self.has_more_topics = true;
         for _ in 0..MAX_NEW {
@@ -265,14 +267,14 @@ impl State {
         }
     }
 
-    /// Reports a remark unless it was reported before.
+    /// Reports a remark, unless it has already been reported.
     fn problem(&mut self, text: String) {
         if let Some(event) = self.problems.remark(text) {
             self.events.send(event);
         }
     }
 
-    /// Reports data that isn't received or can't be read, unless it was reported before.
+    /// Reports data that isn't received or can't be read, unless it has already been reported.
     fn unreadable(&mut self, text: String) {
         if let Some(event) = self.problems.unreadable(text) {
             self.events.send(event);
@@ -357,8 +359,8 @@ impl State {
         }
     }
 
-    /// Reports a publisher whose messages aren't received. Our subscribers are in the default partition, whose name is
-    /// empty. A partition may be a pattern.
+    /// Reports why this program doesn't receive the messages of a publisher, if so. Our subscribers are in the default
+    /// partition, whose name is empty. A partition may be a pattern.
     fn problems_of(&mut self, endpoint: &Endpoint) {
         let partitions = endpoint.qos.as_ref().map_or(&[][..], |qos| &qos.partitions);
         let is_received = partitions.is_empty() || partitions.iter().any(|name| matches!(&**name, "" | "*"));

@@ -12,7 +12,7 @@ use crate::bus::{Encoding, Event, Schema, Topic};
 pub(super) struct Channel {
     /// The topic.
     pub(super) topic: Topic,
-    /// The encoding. An error describes the reason why the messages can't be read.
+    /// The encoding. The error is the reason why the messages can't be read.
     pub(super) encoding: Result<Encoding, String>,
     /// The schema.
     pub(super) schema: Option<Arc<Schema>>,
@@ -21,7 +21,7 @@ pub(super) struct Channel {
 }
 
 impl Channel {
-    /// Reads the description of a channel. Returns the id and the channel. An error describes the problem.
+    /// Reads the description of a channel. Returns the id and the channel. The error describes the problem.
     pub(super) fn read(described: &Tree<'_>) -> Result<(u64, Self), String> {
         let id = member(described, "id", "an id", id)?;
         let (name, type_name) = (string(described, "topic")?, string(described, "schemaName")?);
@@ -44,7 +44,7 @@ impl Channel {
         Ok((id, channel))
     }
 
-    /// Drops the schema. The messages then can't be read for this reason.
+    /// Drops the schema. From then on, `problem` is the reason why the messages can't be read.
     pub(super) fn refuse(&mut self, problem: String) {
         self.encoding = Err(problem);
         self.schema = None;
@@ -65,7 +65,7 @@ impl Channel {
 fn schema(described: &Tree<'_>, encoding: &str) -> Result<Option<Schema>, String> {
     let text = described.get("schema").and_then(Tree::as_str).unwrap_or_default();
     let encoding = match (described.get("schemaEncoding").and_then(Tree::as_str), encoding) {
-        // Base64, for encodings of messages that aren't supported.
+        // The schema is in base64, for message encodings that aren't supported.
         (Some("protobuf" | "flatbuffer"), _) => return Ok(None),
         (Some(encoding), _) => encoding,
         // Old servers don't announce the encoding.
@@ -85,7 +85,7 @@ pub(super) fn id(value: &Tree<'_>) -> Option<u64> {
     if let Tree::Int(id) = value { u64::try_from(*id).ok() } else { None }
 }
 
-/// The id of a channel among the endpoints.
+/// The endpoint id that represents a channel.
 pub(super) fn endpoint_id(channel: u64) -> String {
     format!("channel {channel}")
 }

@@ -9,7 +9,7 @@ use crate::bus::websocket::tests::{Peer, events, problems, raw_server, send, ser
 const INFO: &str =
     r#"{"op":"serverInfo","name":"x","capabilities":["clientPublish"],"supportedEncodings":["cdr"]}"#;
 
-/// Connects to a server that describes itself.
+/// Connects to a server that describes itself. `run` is the server's behaviour after that.
 fn client(run: impl FnOnce(&mut Peer) + Send + 'static) -> Foxglove {
     let address = server(|peer| {
         send(peer, &[INFO]);

@@ -115,7 +115,7 @@ fn subscribes_to_named_topics_without_rosapi_until_messages_arrive() {
     let mut bus = Rosbridge::connect(&peer, &["/a".to_owned()]).expect("connect");
     let problem = bus.receive(deadline());
     let Some(Event::Problem(problem)) = problem else { panic!("{problem:?}") };
-    assert!(problem.contains("names without patterns"), "{problem}");
+    assert!(problem.contains("full names are given"), "{problem}");
     bus.subscribe_names();
     let events = events(&mut bus);
     assert_eq!(received(&events), [("/a", "", "{}")]);

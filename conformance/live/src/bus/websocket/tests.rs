@@ -42,7 +42,7 @@ pub(in crate::bus) fn server(run: impl FnOnce(&mut Peer) + Send + 'static) -> Ad
         let mut peer = tungstenite::accept_hdr(stream, accept).expect("handshake");
         run(&mut peer);
         let _ = peer.close(None);
-        // A reset would discard data that the client hasn't read.
+        // A reset would discard data that the client hasn't read yet.
         while peer.read().is_ok() {}
     })
 }
@@ -75,7 +75,7 @@ pub(in crate::bus) fn events(bus: &mut dyn Bus) -> Vec<Event> {
     events
 }
 
-/// The problems, and the reason for the end.
+/// The reported problems, and the reason for the end of the connection.
 pub(in crate::bus) fn problems(events: &[Event]) -> Vec<&str> {
     events
         .iter()
@@ -164,7 +164,7 @@ fn rejects_huge_frames_without_allocating_them() {
 #[test]
 fn returns_at_the_deadline_during_a_flood() {
     let mut client = connected(|peer| while peer.send(Message::text("")).is_ok() {});
-    // Without the deadline, this never returns.
+    // Without a deadline, this call would never return.
     assert!(receive(&mut client, Clock::real().now()).is_none());
 }
 
@@ -175,7 +175,7 @@ fn returns_at_the_deadline_while_single_bytes_arrive() {
         let _ = peer.get_mut().write_all(b"\x81\x7f\0\0\0\0\x03\0\0\0");
         while peer.get_mut().write_all(b" ").is_ok() {}
     });
-    // Without the deadline, this returns when the whole frame has arrived.
+    // Without a deadline, this call would return only after the whole frame has arrived.
     assert!(receive(&mut client, Clock::real().now()).is_none());
 }
 

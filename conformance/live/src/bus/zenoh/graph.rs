@@ -8,7 +8,7 @@ use super::token::Token;
 use crate::bus::problems::Problems;
 use crate::bus::{Event, MAX_ENDPOINTS, Topic};
 
-/// The event for a token that appeared. `None` for own tokens, nodes and services.
+/// The event for a token that appeared. `None` for own tokens, and for nodes and services.
 pub(super) fn appeared(key: &str, own_session: &str) -> Option<Event> {
     let token = match Token::parse(key) {
         Ok(token) => token.filter(|token| token.session != own_session)?,
@@ -18,7 +18,7 @@ pub(super) fn appeared(key: &str, own_session: &str) -> Option<Event> {
         }
     };
     Some(Event::Endpoint(Endpoint {
-        // A session and a number would be shorter, but an invalid peer may use them twice.
+        // A session and a number would be shorter, but an invalid peer may use the same pair twice.
         id: key.to_owned(),
         kind: token.kind,
         node: Some(token.node),
@@ -38,8 +38,8 @@ pub(super) struct Graph {
 }
 
 impl Graph {
-    /// Follows an event. Returns the event to report: a token may arrive twice, and the numbers of endpoints and
-    /// problems are limited.
+    /// Follows an event. Returns the event to report, if any: a token may arrive twice, and the numbers of endpoints
+    /// and problems are limited.
     pub(super) fn follow(&mut self, event: Event) -> Option<Event> {
         match event {
             Event::Endpoint(endpoint) if self.endpoints.contains_key(&endpoint.id) => None,
@@ -57,7 +57,7 @@ impl Graph {
         }
     }
 
-    /// The type hash that an endpoint of the topic states for its type.
+    /// The hash of a topic's type, as stated by one of the topic's endpoints.
     pub(super) fn hash(&self, topic: &Topic) -> Option<&str> {
         let is_same =
             |endpoint: &&Endpoint| *endpoint.topic == *topic.name && *endpoint.type_name == *topic.type_name;

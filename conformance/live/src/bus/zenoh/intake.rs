@@ -1,4 +1,4 @@
-//! The messages of a subscribed topic. Zenoh's threads deliver them.
+//! The messages of a subscribed topic, which are delivered by Zenoh's threads.
 
 use std::mem;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -21,7 +21,7 @@ pub(super) struct Intake {
 #[derive(Default)]
 struct State {
     sequences: Sequences,
-    /// True if messages without a valid attachment were reported.
+    /// True if messages without a valid attachment have been reported.
     is_reported: bool,
 }
 
@@ -35,7 +35,7 @@ impl Intake {
         if sample.kind() != SampleKind::Put {
             return;
         }
-        // The state is locked until the message is in the queue, so that no other thread overtakes this one.
+        // The state stays locked until the message is in the queue, so that no other thread can overtake this one.
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         match sample.attachment().and_then(|bytes| Attachment::parse(&bytes.to_bytes())) {
             Some(attachment) => match state.sequences.observe(&attachment, delivery) {

@@ -1,18 +1,18 @@
-//! The keys of topics, and the names in them.
+//! The keys of topics, and the names in these keys.
 
 use uavspec_model::limits::MAX_NAME;
 
 use crate::bus::Topic;
 
-/// The hash in keys of ROS 2 Humble, which has no hashes.
+/// The text in place of the hash in the keys of ROS 2 Humble, which has no hashes.
 pub(super) const NO_HASH: &str = "TypeHashNotSupported";
 
-/// The key of a topic for subscribers. Matches all hashes if the topic has none.
+/// The key that subscribers use for a topic. It matches all hashes if the topic has none.
 pub(super) fn subscription_key(domain: u16, topic: &Topic) -> Result<String, String> {
     topic_key(domain, topic, topic.type_hash.as_deref().unwrap_or("*"))
 }
 
-/// The key of a topic for publishers. States that there is no hash if the topic has none.
+/// The key that publishers use for a topic. If the topic has no hash, the key states this.
 pub(super) fn publication_key(domain: u16, topic: &Topic) -> Result<String, String> {
     topic_key(domain, topic, topic.type_hash.as_deref().unwrap_or(NO_HASH))
 }

@@ -43,7 +43,7 @@ struct Store {
 struct Stored {
     payload: Vec<u8>,
     attachment: Vec<u8>,
-    /// The time by which a subscriber recognizes a message that arrives twice.
+    /// The timestamp by which a subscriber recognizes a message that arrives twice.
     time: Timestamp,
 }
 
@@ -56,7 +56,7 @@ impl Publication {
         (number, token): (u64, &str),
         qos: &Qos,
     ) -> Result<Self, String> {
-        // As in rmw_zenoh, only a publisher whose messages must not be lost waits for its subscribers.
+        // As in rmw_zenoh, a publisher waits for its subscribers only if its messages must not be lost.
         let waits = qos.reliability == Reliability::Reliable && qos.history == Some(History::KeepAll);
         let congestion = if waits { CongestionControl::Block } else { CongestionControl::Drop };
         let store = match qos.durability {
@@ -124,7 +124,7 @@ fn locked(messages: &Mutex<VecDeque<Stored>>) -> MutexGuard<'_, VecDeque<Stored>
     messages.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Replies to a query for stored messages. A reply fails if the other end no longer waits.
+/// Replies to a query for stored messages. If the other end is no longer waiting, the error is ignored.
 fn answer(query: &Query, topic: &str, messages: &VecDeque<Stored>) {
     let limit = query.parameters().get("_max").and_then(|max| max.parse().ok()).unwrap_or(usize::MAX);
     for message in messages.iter().skip(messages.len().saturating_sub(limit)) {
@@ -135,7 +135,7 @@ fn answer(query: &Query, topic: &str, messages: &VecDeque<Stored>) {
     }
 }
 
-/// The identifier of a publisher in attachments: 12 bytes of the session, and 4 bytes of its number.
+/// The identifier of a publisher in attachments: 12 bytes from the session, and 4 bytes from its number.
 fn publisher_id(session: &Session, number: u64) -> [u8; 16] {
     let mut id = session.zid().to_le_bytes();
     let (_, tail) = id.split_at_mut(12);

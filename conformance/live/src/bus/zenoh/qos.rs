@@ -1,6 +1,6 @@
 //! The quality of service in tokens: `RELIABILITY:DURABILITY:HISTORY,DEPTH:DEADLINE:LIFESPAN:LIVELINESS,LEASE`.
 //!
-//! The numbers come from the header `rmw/types.h`. A default value is left out.
+//! The numbers come from the header `rmw/types.h`. Default values are left out.
 
 use std::str::FromStr;
 use std::time::Duration;
@@ -55,7 +55,7 @@ pub(super) fn parse_qos(text: &str) -> Result<Qos, String> {
 }
 
 fn unknown(policy: &str, found: &str) -> String {
-    format!("{policy}: expected a number of rmw/types.h, found `{}`", found.escape_debug())
+    format!("{policy}: expected a value from rmw/types.h, found `{}`", found.escape_debug())
 }
 
 fn parse_history(text: &str) -> Result<History, String> {
@@ -70,13 +70,13 @@ fn parse_history(text: &str) -> Result<History, String> {
     }
 }
 
-/// Parses `SECONDS,NANOSECONDS`. Zero means "unspecified" in ROS, so it's unlimited as well.
+/// Parses `SECONDS,NANOSECONDS`. In ROS, zero means "unspecified", so it is also treated as unlimited.
 fn parse_duration(text: &str) -> Result<Option<Duration>, String> {
     let (seconds, nanoseconds) = text.split_once(',').unwrap_or((text, ""));
     let seconds = if seconds.is_empty() { UNLIMITED.0 } else { number(seconds, "seconds")? };
     let nanoseconds = if nanoseconds.is_empty() { UNLIMITED.1 } else { number(nanoseconds, "nanoseconds")? };
     if nanoseconds >= 1_000_000_000 {
-        return Err(format!("expected nanoseconds below a second, found {nanoseconds}"));
+        return Err(format!("expected fewer than 1,000,000,000 nanoseconds, found {nanoseconds}"));
     }
     let is_unlimited = (seconds, nanoseconds) == UNLIMITED || (seconds, nanoseconds) == (0, 0);
     Ok((!is_unlimited).then(|| Duration::new(seconds, nanoseconds)))
@@ -86,8 +86,8 @@ fn number<T: FromStr>(text: &str, field: &str) -> Result<T, String> {
     text.parse().map_err(|_| format!("{field}: expected a number, found `{}`", text.escape_debug()))
 }
 
-/// Formats a quality of service. In Zenoh, no message outlives its publisher: anything more durable becomes transient
-/// local.
+/// Formats a quality of service. In Zenoh, messages never outlive their publisher, so anything more durable than
+/// transient local becomes transient local.
 pub(super) fn format_qos(qos: &Qos) -> String {
     let reliability = if qos.reliability == Reliability::BestEffort { "2" } else { "" };
     let durability = if qos.durability == Durability::Volatile { "" } else { "1" };
@@ -156,10 +156,10 @@ mod tests {
     #[test]
     fn errors_name_the_policy() {
         for (text, part) in [
-            ("7:1:,1", "reliability: expected a number of rmw/types.h, found `7`"),
+            ("7:1:,1", "reliability: expected a value from rmw/types.h, found `7`"),
             ("1", "expected RELIABILITY:DURABILITY:HISTORY,DEPTH, found `1`"),
             ("::,x", "depth: expected a number, found `x`"),
-            ("::,:0,1999999999:,:,,", "expected nanoseconds below a second"),
+            ("::,:0,1999999999:,:,,", "expected fewer than 1,000,000,000 nanoseconds"),
         ] {
             assert!(parse_qos(text).expect_err("an error").contains(part), "{text}");
         }

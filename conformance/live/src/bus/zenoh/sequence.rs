@@ -1,10 +1,10 @@
-//! The numbers of the messages of a topic. Gaps show losses.
+//! The sequence numbers of the messages on a topic. Gaps reveal losses.
 
 use std::collections::HashMap;
 
 use super::attachment::Attachment;
 
-/// The maximum number of publishers of a topic whose numbers are followed.
+/// The maximum number of publishers per topic whose sequence numbers are followed.
 const MAX_PUBLISHERS: usize = 256;
 
 /// The way in which a message arrived.
@@ -16,11 +16,11 @@ pub(super) enum Delivery {
     Stored,
 }
 
-/// The numbers of all publishers of a topic.
+/// The sequence numbers of all publishers on a topic.
 #[derive(Default)]
 pub(super) struct Sequences(HashMap<[u8; 16], Sequence>);
 
-/// The numbers that arrived from a publisher.
+/// The sequence numbers that have arrived from a publisher.
 #[derive(Default)]
 struct Sequence {
     /// The highest number of a live message.
@@ -30,10 +30,10 @@ struct Sequence {
 }
 
 impl Sequences {
-    /// The number of messages that are missing before a message. `None` if the message arrived before, or is older than live
-    /// messages.
+    /// Returns the number of messages that are missing before this one. Returns `None` if this message has already
+    /// arrived, or is older than live messages.
     pub(super) fn observe(&mut self, attachment: &Attachment, delivery: Delivery) -> Option<u64> {
-        // Real topics have few publishers. If a peer invents more, only gaps are forgotten.
+        // Real topics have few publishers. If a peer invents more, the only effect is that gaps are forgotten.
         if self.0.len() >= MAX_PUBLISHERS && !self.0.contains_key(&attachment.publisher) {
             self.0.clear();
         }
@@ -46,7 +46,7 @@ impl Sequences {
 }
 
 impl Sequence {
-    /// Observes a live message. Only live messages show gaps: a publisher stores only its latest messages.
+    /// Observes a live message. Only live messages reveal gaps, because a publisher stores only its latest messages.
     fn live(&mut self, number: i64) -> Option<u64> {
         let Some(highest) = self.live else {
             self.live = Some(number);
@@ -58,8 +58,8 @@ impl Sequence {
         Some(step.unwrap_or_default().saturating_sub(1))
     }
 
-    /// Observes a stored message. It is new if it's newer than other stored messages, and no live message has arrived: an
-    /// older message would be out of order.
+    /// Observes a stored message. It counts as new if it is newer than the other stored messages, and no live message
+    /// has arrived yet; otherwise, it would be out of order.
     fn stored(&mut self, number: i64) -> Option<u64> {
         if self.live.is_some() || self.stored.is_some_and(|stored| number <= stored) {
             return None;

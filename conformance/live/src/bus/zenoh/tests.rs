@@ -1,4 +1,4 @@
-//! Tests with a router in this process, which declares tokens and publishes like `rmw_zenoh`.
+//! Tests with a router in the test process. The router declares tokens and publishes messages like `rmw_zenoh`.
 
 use std::net::TcpListener;
 use std::time::Duration;

@@ -1,4 +1,4 @@
-//! Liveliness tokens. A token is a key that exists as long as the node or the endpoint that it describes.
+//! Liveliness tokens. A token is a key that describes a node or an endpoint, and exists as long as it does.
 
 use uavspec_model::limits::MAX_NAME;
 use uavspec_model::{EndpointKind, Qos};
@@ -32,7 +32,7 @@ pub(super) struct Token {
 }
 
 impl Token {
-    /// Parses a token. `None` for nodes, services and clients. Later versions may add parts at the end.
+    /// Parses a token. Returns `None` for nodes, services and clients. Later versions may append parts.
     pub(super) fn parse(key: &str) -> Result<Option<Self>, String> {
         if key.len() > MAX_LENGTH {
             return Err(format!("expected at most {MAX_LENGTH} bytes, found {}", key.len()));

@@ -24,7 +24,7 @@ pub struct Battery {
     pub faults: i128,
 }
 
-/// Takes a message. Returns true if the state of the batteries changes.
+/// Takes a message. Returns true if it changes the state of the batteries.
 pub(super) fn message(
     batteries: &mut BTreeMap<i128, Battery>,
     instance: Option<u8>,

@@ -8,7 +8,7 @@ use uavspec_rules::definitions::EventMetadata;
 
 use crate::limits::MAX_COMPONENTS;
 
-/// The number of consecutive requests without a reply after which PX4 regards a component as unresponsive.
+/// The number of consecutive unanswered requests after which PX4 regards a component as unresponsive.
 pub(crate) const LATE: u32 = 3;
 
 /// The external components.
@@ -16,7 +16,7 @@ pub(crate) const LATE: u32 = 3;
 pub struct Components {
     /// The components by registration id.
     pub all: BTreeMap<i128, Component>,
-    /// The name of the last component whose registration was refused.
+    /// The name of the component whose registration was last refused.
     pub refused: Option<String>,
     /// True if the vehicle has sent a request.
     pub has_request: bool,
@@ -25,17 +25,17 @@ pub struct Components {
 /// An external component.
 #[derive(Clone, Debug, Default)]
 pub struct Component {
-    /// The name, if the registration was received.
+    /// The name of the component, if its registration was received.
     pub name: Option<String>,
     /// The number of the mode that the component adds.
     pub mode: Option<i128>,
-    /// The time of the last reply, in µs.
+    /// The time of the latest reply, in µs.
     pub replied: Option<u64>,
     /// True if the component allows arming.
     pub can_run: Option<bool>,
     /// The reasons in the last reply: its events.
     pub reasons: Vec<Part>,
-    /// The number of consecutive requests without a reply.
+    /// The number of consecutive unanswered requests.
     pub unanswered: u32,
     /// True if the vehicle states that the registration is valid.
     pub is_valid: Option<bool>,
@@ -69,7 +69,7 @@ impl Component {
 }
 
 impl Components {
-    /// Takes a request of the vehicle. Returns true if the displayed state changes.
+    /// Takes a request from the vehicle. Returns true if it changes the displayed state.
     pub(super) fn request(&mut self, values: DynamicView<'_>) -> bool {
         let mut is_changed = !std::mem::replace(&mut self.has_request, true);
         let mask = number(values, "valid_registrations_mask");
@@ -89,7 +89,7 @@ impl Components {
         is_changed
     }
 
-    /// Takes a reply. Returns true if the displayed state changes.
+    /// Takes a reply. Returns true if it changes the displayed state.
     pub(super) fn reply(
         &mut self,
         values: DynamicView<'_>,
@@ -108,7 +108,7 @@ impl Components {
         is_changed
     }
 
-    /// Takes the vehicle's answer to a registration. Returns true if the displayed state changes.
+    /// Takes the vehicle's answer to a registration. Returns true if it changes the displayed state.
     pub(super) fn registered(&mut self, values: DynamicView<'_>) -> bool {
         let name = values.get("name").and_then(text);
         if number(values, "success") == Some(0) {
@@ -125,12 +125,12 @@ impl Components {
         true
     }
 
-    /// Takes the end of a registration. Returns true if the displayed state changes.
+    /// Takes the end of a registration. Returns true if it changes the displayed state.
     pub(super) fn unregistered(&mut self, values: DynamicView<'_>) -> bool {
         number(values, "arming_check_id").is_some_and(|id| self.all.remove(&id).is_some())
     }
 
-    /// The component with an id, unless there are too many.
+    /// Returns the component with this id, which is added if necessary. `None` if there are too many components.
     fn component(&mut self, id: i128) -> Option<&mut Component> {
         let is_full = self.all.len() >= MAX_COMPONENTS && !self.all.contains_key(&id);
         (!is_full).then(|| self.all.entry(id).or_default())

@@ -1,4 +1,4 @@
-//! Failsafe flags, and the modes that they block.
+//! Failsafe flags, and the modes that they prevent.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use super::Meaning;
 /// The prefix of the flags of the failure detector.
 const FAILURE: &str = "fd_";
 
-/// Requirements without a flag.
+/// The name of the requirements that have no flag.
 const OTHER: &str = "mode_req_other";
 const PREVENT_ARMING: &str = "mode_req_prevent_arming";
 
@@ -25,7 +25,7 @@ const NUM_MODES: i128 = 32;
 #[derive(Clone, Debug, Default)]
 pub struct Flags {
     known: Option<Arc<[Known]>>,
-    /// The names of the modes, by number.
+    /// The names of the modes, by mode number.
     modes: Arc<BTreeMap<i128, Part>>,
     states: Vec<State>,
 }
@@ -41,11 +41,11 @@ pub(crate) struct Known {
     pub group: Option<Label>,
     /// The index of the field.
     index: usize,
-    /// The indices of its requirements.
+    /// The indices of the mode requirements that refer to the flag.
     masks: Vec<usize>,
 }
 
-/// The value of a flag.
+/// The current value of a flag.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct State {
     number: i128,
@@ -62,7 +62,7 @@ pub(crate) struct Flag<'f> {
     pub known: &'f Known,
     /// The value.
     pub state: &'f State,
-    /// The severity. Flags that aren't set are normal.
+    /// The severity. A flag that isn't set has the severity "normal".
     pub severity: Severity,
 }
 
@@ -93,7 +93,7 @@ impl Flags {
         self.known.as_deref().unwrap_or_default().iter().zip(&self.states)
     }
 
-    /// The flags by group, in the order of the definition. In a mode, the flags that it requires to be clear are errors.
+    /// The flags by group, in the order of the definition. Flags that `mode` requires to be clear are errors.
     fn groups(&self, mode: Option<i128>) -> Groups<'_> {
         let mut groups: Groups<'_> = Vec::new();
         for (known, state) in self.all() {
@@ -106,7 +106,7 @@ impl Flags {
         groups
     }
 
-    /// The flags that are set, by group. The most severe come first.
+    /// The flags that are set, by group. The most severe flags come first.
     pub(crate) fn set(&self, mode: Option<i128>) -> Groups<'_> {
         let rank = |flag: &Flag<'_>| std::cmp::Reverse((flag.severity, flag.num_modes()));
         let mut groups = filtered(self.groups(mode), |flag| flag.severity > Severity::Normal);
@@ -117,18 +117,18 @@ impl Flags {
         groups
     }
 
-    /// The flags that aren't set, by group. The requirements without a flag are left out.
+    /// The flags that aren't set, by group. Requirements without a flag are left out.
     pub(crate) fn clear(&self, mode: Option<i128>) -> Groups<'_> {
         filtered(self.groups(mode), |flag| {
             flag.severity == Severity::Normal && !flag.known.name.starts_with(REQUIREMENT)
         })
     }
 
-    /// The modes whose requirements aren't met, with the reasons. Modes with the same reasons are together.
+    /// The modes whose requirements aren't met, with the reasons. Modes with the same reasons share an entry.
     pub(crate) fn blocked(&self) -> Vec<(Vec<i128>, Vec<&Known>)> {
         let mut found: Vec<(Vec<i128>, Vec<&Known>)> = Vec::new();
         for mode in 0..NUM_MODES {
-            // The vehicle can't arm in modes such as Land, but these modes can run.
+            // The vehicle can't arm in modes such as Land, but it can switch to them in flight.
             let is_blocking = |(known, state): &(&Known, &State)| {
                 state.number != 0 && state.modes & (1 << mode) != 0 && known.name != PREVENT_ARMING
             };
@@ -148,7 +148,7 @@ impl Flags {
     }
 }
 
-/// The flags that meet a condition. Groups without flags are left out.
+/// The flags for which `is_kept` returns true. Groups without flags are left out.
 pub(crate) fn filtered(groups: Groups<'_>, is_kept: impl Fn(&Flag<'_>) -> bool) -> Groups<'_> {
     let kept = groups.into_iter().map(|group| group.into_iter().filter(&is_kept).collect::<Vec<_>>());
     kept.filter(|group| !group.is_empty()).collect()
@@ -177,14 +177,14 @@ impl Known {
 }
 
 impl State {
-    /// The severity. Flags that the mode requires to be clear prevent arming.
+    /// The severity. A flag that `mode` requires to be clear prevents arming.
     fn severity(&self, known: &Known, mode: Option<i128>) -> Severity {
         let mode = mode.filter(|mode| (0..NUM_MODES).contains(mode));
         let is_required = mode.is_some_and(|mode| self.modes & (1 << mode) != 0);
         match &self.value {
             _ if self.number == 0 => Severity::Normal,
             _ if is_required => Severity::Error,
-            // Requirements without a flag matter only in their modes.
+            // A requirement without a flag matters only in its modes.
             _ if known.name.starts_with(REQUIREMENT) => Severity::Normal,
             Some(value) => value.severity.max(Severity::Warning),
             None if known.name.starts_with(FAILURE) => Severity::Error,
@@ -193,7 +193,7 @@ impl State {
     }
 }
 
-/// The flags of a message, and its requirements without a flag.
+/// The flags in a message, and the requirements without a flag.
 fn known(values: DynamicView<'_>, meaning: Meaning<'_>) -> Vec<Known> {
     let Meaning { id, definitions, texts } = meaning;
     let required = required_flags(values);
@@ -222,7 +222,7 @@ fn modes(meaning: Meaning<'_>) -> BTreeMap<i128, Part> {
     let name = |mode: i128| {
         let value = state_value(("vehicle_status", "nav_state"), id, mode, definitions, texts)?;
         let part = value.parts.into_iter().next()?;
-        // Undefined modes have their number as a name.
+        // For undefined modes, the name is the number.
         (part.name != mode.to_string()).then_some((mode, part))
     };
     (0..NUM_MODES).filter_map(name).collect()

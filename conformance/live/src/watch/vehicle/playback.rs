@@ -1,5 +1,5 @@
-//! Pause, steps and speed. Another thread receives the messages: a live vehicle continues while the display is paused,
-//! and a replay waits.
+//! Pause, steps and speed of a display. Another thread receives the messages. While the display is paused, a live
+//! vehicle continues, and a replay waits.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -25,13 +25,13 @@ const MAX_CHANGES: usize = 1_000;
 /// The maximum number of notes.
 const MAX_NOTES: usize = 4;
 
-/// The maximum time without messages. A replay skips longer gaps.
+/// The maximum time without messages in a replay. Longer gaps are skipped.
 const MAX_GAP: Duration = Duration::from_secs(5);
 
 /// The lowest and the highest speed of a replay, as powers of two.
 const SPEEDS: (i32, i32) = (-2, 8);
 
-/// The kind of source.
+/// The kind of message source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A live vehicle.
@@ -42,7 +42,7 @@ pub enum Kind {
     State(Duration),
 }
 
-/// A display that two threads share.
+/// The state of a display, which two threads share.
 pub struct Playback {
     kind: Kind,
     clock: Clock,
@@ -62,23 +62,23 @@ pub struct State {
     pub notes: VecDeque<String>,
     /// The number of lost messages.
     pub lost: u64,
-    /// The end of a replay. An error is the reason why nothing more can be read.
+    /// The end of a replay. The error is the reason why nothing more can be read.
     pub end: Option<Result<(), String>>,
     /// True if the display is paused.
     pub is_paused: bool,
-    /// True if a replay continues until the next change.
+    /// True if a replay continues only until the next change.
     is_stepping: bool,
-    /// The state of a paused live vehicle.
+    /// The displayed state of a live vehicle, if the display is paused.
     frozen: Option<Vehicle>,
-    /// The states after `frozen`.
+    /// The states that follow `frozen`.
     pub waiting: VecDeque<Vehicle>,
     /// The speed of a replay, as a power of two.
     speed: i32,
-    /// A time of the capture in µs, and the time at which the replay reached it.
+    /// A time of the capture, in µs, and the time at which the replay reached it.
     anchor: Option<(u64, Instant)>,
 }
 
-/// The state for a frame.
+/// The state that a frame shows.
 pub struct Shown<'p> {
     /// The state of the display.
     pub state: &'p State,
@@ -91,7 +91,7 @@ pub struct Shown<'p> {
 }
 
 impl Playback {
-    /// The display of a source. `clock` belongs to the calling thread.
+    /// Creates the display of a source. `clock` belongs to the calling thread.
     pub fn new(kind: Kind, clock: Clock) -> Arc<Self> {
         Arc::new(Self { kind, clock, state: Mutex::default(), changed: Condvar::new() })
     }
@@ -100,7 +100,7 @@ impl Playback {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Changes the state, and wakes all waiting threads.
+    /// Calls `change` to change the state, and wakes all waiting threads.
     fn change(&self, change: impl FnOnce(&mut State)) {
         let mut state = self.lock();
         state.changes += 1;
@@ -109,7 +109,7 @@ impl Playback {
         self.changed.notify_all();
     }
 
-    /// Passes the current state to a function.
+    /// Passes the current state to `show`.
     pub fn show<T>(&self, show: impl FnOnce(&Shown<'_>) -> T) -> T {
         let (state, time) = (self.lock(), self.clock.now());
         let vehicle = state.frozen.as_ref().unwrap_or(&state.vehicle);
@@ -148,7 +148,7 @@ impl Playback {
         });
     }
 
-    /// Shows the next change. Pauses first if necessary.
+    /// Advances to the next change. Pauses the display first if necessary.
     pub(super) fn step(&self) {
         if !self.lock().is_paused {
             self.pause();
@@ -175,7 +175,7 @@ impl Playback {
         self.change(|state| state.link = link);
     }
 
-    /// Ends a replay. An error is the reason why nothing more can be read.
+    /// Ends a replay. The error is the reason why nothing more can be read.
     pub(crate) fn end(&self, result: Result<(), String>) {
         self.change(|state| state.end = Some(result));
     }
@@ -189,7 +189,7 @@ impl Playback {
         });
     }
 
-    /// Forgets the channels of a connection that was lost.
+    /// Forgets the channels of a connection that was lost. The known state remains.
     pub(super) fn forget_channels(&self) {
         self.change(|state| state.vehicle.forget_channels());
     }
@@ -199,7 +199,7 @@ impl Playback {
         self.change(|state| state.lost = state.lost.saturating_add(count));
     }
 
-    /// Waits until a connection exists or can't be made, or until a replay ends. Returns the problem.
+    /// Waits until a connection exists or has failed, or until a replay ends. Returns the problem, if any.
     pub fn wait_for_start(&self) -> Result<(), String> {
         let is_starting = |state: &mut State| state.link == Link::Connecting && state.end.is_none();
         let state = self.clock.wait_while((&self.state, &self.changed), None, is_starting);
@@ -215,7 +215,8 @@ impl Playback {
         self.lock().end.clone()?.err()
     }
 
-    /// Waits by a clock until a replay reaches a time. Returns false if the time is outside the replay.
+    /// Waits until a replay reaches a time, according to `clock`. Returns false if the capture isn't shown up to this
+    /// time.
     fn reach(&self, time: u64, clock: &Clock) -> bool {
         let mut state = self.lock();
         if let Kind::State(limit) = self.kind {
@@ -243,14 +244,14 @@ impl State {
         f64::from(self.speed).exp2()
     }
 
-    /// The position of a replay, in µs.
+    /// The position of a replay at `now`, in µs. The replay reached `time` at `since`.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss)] // a sum saturates
     fn position(&self, (time, since): (u64, Instant), now: Instant) -> u64 {
         let elapsed = now.saturating_duration_since(since);
         time.saturating_add((elapsed.as_micros() as f64 * self.speed()) as u64)
     }
 
-    /// The time at which a replay reaches a time of the capture. `None` if it is paused.
+    /// The time at which a replay reaches `time`, a time of the capture. `None` if the replay is paused.
     #[allow(clippy::cast_precision_loss)] // the speed is approximate
     fn due(&mut self, time: u64, now: Instant) -> Option<Instant> {
         if self.is_paused {
@@ -266,7 +267,7 @@ impl State {
     }
 }
 
-/// Passes the records of a checker to a playback.
+/// An observer that passes the records from a checker to a playback.
 pub struct Watcher<'w> {
     /// The recording.
     pub playback: &'w Playback,

@@ -15,13 +15,13 @@ use crate::bus::{Bus, Event};
 use crate::vehicle::{Options, observe};
 use crate::watch::fleet::Link;
 
-/// The time until the next attempt to connect.
+/// The pause before the next attempt to connect.
 const PAUSE: Duration = Duration::from_secs(2);
 
-/// The maximum time of a connection. After it, the display connects again.
+/// The maximum duration of a connection. The display then reconnects.
 const MAX_TIME: Duration = Duration::from_secs(365 * 24 * 60 * 60);
 
-/// Receives the messages of a vehicle. Connects again if the connection ends. Returns only if the first connection
+/// Receives the messages of a vehicle, and reconnects if the connection ends. Returns only if the first connection
 /// fails, or if `is_stopped` returns true.
 pub fn watch_live(
     connect: &dyn Fn() -> Result<Box<dyn Bus>, String>,
@@ -58,7 +58,7 @@ pub fn watch_live(
     }
 }
 
-/// The patterns of the topics to receive. Newer releases append the version of the message to the name.
+/// The patterns of the topics to receive. Newer releases append the message version to topic names.
 fn topics() -> Option<GlobSet> {
     let mut set = GlobSetBuilder::new();
     for name in TOPICS {

@@ -25,7 +25,7 @@ use crate::bus::{Bus as _, Event, Topic};
 use crate::watch::fleet::Link;
 use crate::watch::screen::{Pages, Step};
 
-/// The round after which a component doesn't reply.
+/// The last round in which the component replies.
 const LAST_REPLY: u64 = 30;
 
 pub(crate) fn texts() -> Texts {
@@ -41,8 +41,8 @@ fn modes(modes: &[u32]) -> Value {
     modes.iter().map(|mode| 1_u32 << mode).sum::<u32>().into()
 }
 
-/// A vehicle in position mode (2) that can't arm: it has no position, its battery is low, one component refuses, and
-/// another component stops replying.
+/// A vehicle in position mode (2) that can't arm: it has no position, its battery is low, one component refuses to arm,
+/// and another component stops replying.
 pub(crate) fn grounded(definitions: &Definitions) -> Flight<'_> {
     let mut flight = Flight::new(definitions);
     let names: Vec<&str> =
@@ -107,7 +107,7 @@ fn change(message: &str, value: &mut Value) {
     }
 }
 
-/// Passes the state after a flight to a function.
+/// Plays a flight, and passes the resulting state to `show`.
 pub(crate) fn after<T>(flight: &Flight<'_>, show: impl FnOnce(&Shown<'_>) -> T) -> T {
     let playback = Playback::new(Kind::State(Duration::MAX), Clock::simulated());
     let bytes = Encoding::Mcap.write(flight).expect("an encoded flight");
@@ -255,10 +255,10 @@ fn replays_report_files_that_are_no_captures() {
     assert!(problem.starts_with("unknown file type"), "{problem}");
 }
 
-/// True if the live display has ended.
+/// Set to true to end the live display.
 static IS_STOPPED: AtomicBool = AtomicBool::new(false);
 
-/// Ends the display when it is dropped, even if the test fails.
+/// Ends the live display when this value is dropped, even if the test fails.
 struct Stop;
 
 impl Drop for Stop {

@@ -7,7 +7,7 @@ use super::theme::Theme;
 use super::wrap::labelled;
 use super::{Ends, spaced};
 
-/// The most important keys of a page: as many as fit into a width. `main` are the keys of the main page.
+/// The most important keys of a page: as many as fit into the width. `main` are the keys of the main page.
 pub(super) fn line<'l>(pages: &Pages, main: &[(&str, &str)], theme: Theme, width: u16) -> Ends<'l> {
     let keys: &[(&str, &str)] = match pages.page {
         Page::Filter => return Ends::new(format!("/{}_", pages.filter), "Enter apply  Esc clear"),

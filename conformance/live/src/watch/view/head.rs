@@ -15,13 +15,13 @@ use super::{Ends, MIDDLE_WIDTH, Scene, spaced};
 pub(super) struct Head<'h> {
     /// The source of the messages.
     pub(super) source: Span<'h>,
-    /// The software of the source.
+    /// The software that the source runs.
     pub(super) software: Span<'h>,
     /// The state of the connection.
     pub(super) link: Line<'h>,
     /// The state of the fleet or the vehicle.
     pub(super) state: Line<'h>,
-    /// The rate of messages.
+    /// The rate of messages, as text.
     pub(super) rate: String,
     /// Problems and remarks.
     pub(super) problems: Vec<String>,
@@ -57,7 +57,7 @@ pub(super) fn lines<'s>(scene: &'s Scene<'_>, width: u16) -> Vec<Ends<'s>> {
     head.lines(theme, width)
 }
 
-/// A rate of messages.
+/// Formats a rate of messages.
 pub(super) fn rate_text(rate: f64, width: u16) -> String {
     let unit = if width < MIDDLE_WIDTH { "msg/s" } else { "messages/s" };
     if rate < 100.0 { format!("{rate:.1} {unit}") } else { format!("{rate:.0} {unit}") }

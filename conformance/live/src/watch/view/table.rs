@@ -22,7 +22,7 @@ use super::{MIDDLE_WIDTH, Scene};
 /// The minimum width for the wide layout.
 const WIDE_WIDTH: u16 = 130;
 
-/// The minimum age of a stale state.
+/// The minimum age at which a state is stale.
 const STALE: Duration = Duration::from_secs(10);
 
 /// The content of a column.
@@ -155,7 +155,7 @@ fn cell<'c>(scene: &Scene<'_>, id: &str, uav: &Uav, kind: Kind) -> Line<'c> {
     }
 }
 
-/// The text of a cell, unless it has several styles. `decimals` applies to coordinates.
+/// The text of a cell. Cells with several styles are drawn separately. `decimals` applies to coordinates.
 pub(in crate::watch) fn text(
     fleet: &Fleet,
     (id, uav): (&str, &Uav),

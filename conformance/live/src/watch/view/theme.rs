@@ -1,4 +1,4 @@
-//! Styles. Colour is never the only indication: a word or bold text conveys the same information.
+//! Styles. Colour is never the only indication: a word or bold text always conveys the same information.
 
 use ratatui::style::{Color, Modifier, Style};
 use uavspec_runtime::Severity;

@@ -15,13 +15,13 @@ use super::{GAP, draw_columns, draw_frame, foot};
 use crate::watch::screen::{Page, Pages};
 use crate::watch::vehicle::playback::{Kind, Shown};
 
-/// The minimum width at which the sections are in two columns.
+/// The minimum width for arranging the sections in two columns.
 const WIDE: u16 = 120;
 
 /// The width of the text for scripts.
 const TEXT_WIDTH: u16 = 100;
 
-/// The keys, and an explanation of the words.
+/// The keys, and explanations of words on the screen.
 const KEYS: [(&str, &str); 9] = [
     ("p, space", "pause, or continue"),
     (".", "show the next change, and pause"),
@@ -36,7 +36,7 @@ const KEYS: [(&str, &str); 9] = [
         "A set flag is an error if the current mode requires it to be clear, or if the failure detector set it. Other \
          set flags are warnings. The number in brackets is the number of modes that the flag blocks. An external \
          component is late if it didn't reply to three requests in a row. PX4 then ignores it. The events that \
-         explain a refusal have numbers: ground stations know their texts.",
+         explain a refusal are shown as numbers: ground stations know their texts.",
     ),
 ];
 
@@ -50,7 +50,7 @@ pub struct Scene<'s> {
     pub language: &'s str,
     /// The styles.
     pub theme: Theme,
-    /// The time of drawing.
+    /// The sections, arranged in one or two columns.
     pub now: Instant,
 }
 
@@ -103,7 +103,8 @@ pub fn text(scene: &Scene<'_>) -> String {
     head.chain(lines.into_iter().map(|line| line.to_string().trim_end().to_owned() + "\n")).collect()
 }
 
-/// The reasons why the vehicle can't arm in a mode, or in any mode. `None` before the first report.
+/// The reasons why the vehicle can't arm in a mode, or in any mode if `mode` is `None`. Returns `None` before the first
+/// report.
 pub fn why_not_arm(scene: &Scene<'_>, mode: Option<&str>) -> Option<String> {
     let refused = scene.shown.vehicle.refused.as_deref()?;
     let is_asked = |refused: &&Refused| mode.is_none_or(|mode| refused.mode.is_named(mode));

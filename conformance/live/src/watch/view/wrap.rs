@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use ratatui::text::{Line, Span};
 
-/// The variation selector after a character that is displayed as an emoji.
+/// The variation selector that turns the character before it into an emoji.
 const EMOJI_SELECTOR: char = '\u{fe0f}';
 
 /// Clips a line to a width. A clipped line ends in an ellipsis.
@@ -31,7 +31,7 @@ pub(super) fn clipped(line: Line<'_>, width: usize) -> Line<'_> {
     line
 }
 
-/// The start of a text that fits into a width, with an ellipsis.
+/// The longest start of a text that fits into a width together with an ellipsis.
 fn with_ellipsis(text: &str, width: usize) -> String {
     let Some(room) = width.checked_sub(1) else { return String::new() };
     format!("{}…", &text[..fitting_length(text, room)])
@@ -62,7 +62,7 @@ pub(super) fn wrapped(text: &str, width: usize) -> Vec<String> {
     lines
 }
 
-/// A label with a text after it, which is wrapped into lines. The label has a column of this width.
+/// A label, followed by a text that is wrapped into lines. The label is in a column of width `column`.
 pub(super) fn labelled<'t>(
     label: impl Into<Span<'t>>,
     text: impl Into<Span<'t>>,
@@ -81,7 +81,7 @@ pub(super) fn labelled<'t>(
     lines.collect()
 }
 
-/// The number of bytes at the start of a text that fit into a width.
+/// The length of the longest start of a text that fits into a width, in bytes.
 fn fitting_length(text: &str, width: usize) -> usize {
     let mut taken = 0;
     let fitting = glyphs(text).take_while(|glyph| {
@@ -91,8 +91,8 @@ fn fitting_length(text: &str, width: usize) -> usize {
     fitting.last().map_or(0, |last| last.end)
 }
 
-/// The characters of a text, each with the selectors that follow it. Selectors turn a narrow character into a wide
-/// emoji, so the width of the text is at most the sum of these widths.
+/// The characters of a text, each together with the variation selectors that follow it. A selector may turn a narrow
+/// character into a wide emoji. The sum of the widths is therefore an upper bound of the width of the text.
 fn glyphs(text: &str) -> impl Iterator<Item = Range<usize>> {
     let starts = text.char_indices().skip(1).filter(|(_, character)| *character != EMOJI_SELECTOR);
     let ends = starts.map(|(at, _)| at).chain((!text.is_empty()).then_some(text.len()));

@@ -131,7 +131,7 @@ fn limits_the_depth_of_reading_but_not_of_skipping() {
     }
 }
 
-/// A finding names the problem where it is, not where the string starts.
+/// An error has the offset of the problem, not the offset at which the string starts.
 #[test]
 fn describes_strings_that_cannot_be_read() {
     for (text, at, problem) in [

@@ -17,7 +17,7 @@ impl Trust {
     }
 }
 
-/// The error of each use.
+/// The error for any use of TLS.
 const MISSING: &str = "this build has no TLS: enable the feature `tls`";
 
 /// A connection that can't exist.

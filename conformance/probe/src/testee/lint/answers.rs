@@ -91,7 +91,7 @@ fn answers_have_ids(bench: &mut Bench<'_>) -> CheckOutcome {
         let _ = session.finish();
         match session.received.foreign {
             Some(id) => Err(format!("unexpected response with id {id}")),
-            // A response without an id leaves its request unanswered, so such a response causes a failure here too.
+            // A response without an id doesn't answer its request, so it also causes a failure here.
             None => received,
         }
     })
@@ -149,7 +149,7 @@ fn question_in_many_writes(bench: &mut Bench<'_>) -> CheckOutcome {
         let (second, other) = session.request(case);
         session.expect(first);
         session.expect(second);
-        // The end of the first request and the start of the second share a part; the last line end is sent alone.
+        // The end of the first request and the start of the second are sent together. The last line end is sent alone.
         let text = format!("{request}\n{other}\n");
         let (text, end) = text.as_bytes().split_at(text.len() - 1);
         session.send_parts(text.chunks(text.len().div_ceil(7)).chain([end]));
@@ -183,7 +183,8 @@ fn only_answers(bench: &mut Bench<'_>) -> CheckOutcome {
     bench.strays.summary().map_or(CheckOutcome::Pass, CheckOutcome::Fail)
 }
 
-/// `NUM_CASES` cases: the supported cases, or another case if none is supported, repeated if there are too few.
+/// Returns `NUM_CASES` cases: the supported cases, or another case if none is supported. Cases are repeated if there
+/// are too few.
 fn several<'b>(bench: &'b Bench<'_>) -> Result<impl Iterator<Item = &'b Case>, String> {
     let plain = bench.plain_case()?;
     let mut known: Vec<&Case> = bench.known_cases().take(NUM_CASES).collect();

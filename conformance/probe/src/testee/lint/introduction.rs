@@ -58,8 +58,8 @@ fn hello_members(bench: &mut Bench<'_>) -> CheckOutcome {
     if wrong.is_empty() { CheckOutcome::Pass } else { CheckOutcome::Fail(wrong.join("; ")) }
 }
 
-/// The first problem found in a list of names. A missing list isn't a problem here, since `Hello::read` requires the
-/// mandatory lists.
+/// The first problem in a list of names. A missing list isn't a problem, because `Hello::read` requires the mandatory
+/// lists.
 fn wrong_list(hello: &Value, member: &str, is_known: impl Fn(&str) -> bool) -> Option<String> {
     let names: Vec<&str> = hello.get(member)?.as_array()?.iter().filter_map(Value::as_str).collect();
     if names.is_empty() {

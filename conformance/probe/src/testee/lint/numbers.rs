@@ -86,7 +86,7 @@ fn has(value: &Value, tags: &[&str]) -> bool {
         }
 }
 
-/// Describes the first value without an expected tag. Missing values are reported by `uavspec test`.
+/// Describes the first value that lacks an expected tag. Ignores missing values, which `uavspec test` reports.
 fn untagged(wanted: &Value, actual: &Value, tags: &[&str], path: &str) -> Option<String> {
     if has_tag(wanted, tags) {
         let found = || format!("expected {wanted} at {path}, found {}", shortened(&actual.to_string()));

@@ -37,13 +37,13 @@ pub(super) struct ReceivedResponses {
     optional: BTreeSet<i64>,
     /// The received responses.
     responses: BTreeMap<i64, Response>,
-    /// The number of `error` responses without an id that may still arrive: one per line without an id.
+    /// The number of `error` responses without an id that may still arrive: one for each line without an id.
     refusals: usize,
     /// The number of hellos that may still arrive.
     hellos_due: usize,
     /// The lines of repeated hellos.
     pub(super) hellos: Vec<Vec<u8>>,
-    /// The id of the first response without a request.
+    /// The id of the first response that belongs to no request.
     pub(super) foreign: Option<i64>,
     /// The first id with more than one response.
     pub(super) repeated: Option<i64>,
@@ -163,7 +163,10 @@ impl<'o> Session<'o> {
                         continue;
                     }
                     if stray_bytes > limit {
-                        format!("no response to {} within {limit} bytes", self.missing())
+                        format!(
+                            "no response to {} in the first {limit} bytes that were received",
+                            self.missing()
+                        )
                     } else {
                         self.time_out()
                     }
@@ -230,7 +233,7 @@ impl<'o> Session<'o> {
 }
 
 impl ReceivedResponses {
-    /// Processes a line. Returns true if it is a required response.
+    /// Processes a line. Returns true if the line is a required response.
     fn take(&mut self, line: &[u8]) -> bool {
         match Response::read(line.trim_ascii()) {
             Ok((id, answer)) => {
@@ -255,7 +258,7 @@ impl ReceivedResponses {
     }
 }
 
-/// True if a line is a valid response to a line without an id.
+/// True if a line is a valid response to a line that has no id.
 fn is_refusal(line: &[u8]) -> bool {
     serde_json::from_slice(line).is_ok_and(|value: Value| {
         value.get("id").is_none_or(Value::is_null)

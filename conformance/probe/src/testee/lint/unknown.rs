@@ -62,7 +62,7 @@ fn unknown_format(bench: &mut Bench<'_>) -> CheckOutcome {
 }
 
 fn missing_member(bench: &mut Bench<'_>) -> CheckOutcome {
-    // One case of each op, since the ops have different members.
+    // One case for each op, because the ops have different members.
     let mut cases: Vec<Case> = Vec::new();
     for case in bench.known_cases().filter(|case| case.rule.is_none()) {
         if cases.iter().all(|other| other.op != case.op) {
@@ -83,15 +83,15 @@ fn missing_member(bench: &mut Bench<'_>) -> CheckOutcome {
     })
 }
 
-/// Sends the case once per member, with the member replaced by `value`, or removed if there is no value. Each response
-/// must be `unsupported` or `error`. Before and after that, the unchanged case must get a response.
+/// Sends the case once for each member. The member is replaced by `value`, or removed if `value` is `None`. Each
+/// response must be `unsupported` or `error`. Before and after that, the unchanged case must get a response.
 fn refuses(
     session: &mut Session<'_>,
     case: &Case,
     members: &[&str],
     value: Option<&Value>,
 ) -> Result<(), String> {
-    // If a testee answers nothing, this request isn't the cause.
+    // If a testee answers no requests at all, this request isn't the cause.
     session.check_alive(case)?;
     for member in members {
         let (id, mut request) = session.request(case);

@@ -1,6 +1,6 @@
-//! The picture: a track for each lane, above each other, with a common axis.
+//! The picture: a track for each lane, one below the other, with a common axis.
 //!
-//! Positions are percentages of the track's width, so the picture is zoomed by making the tracks wider.
+//! Positions are percentages of the width of a track, so making the tracks wider zooms the picture.
 
 use maud::{Markup, html};
 use uavspec_check::timeline::{Change, Lane, LaneKind, Severity, Timeline, Value};
@@ -19,7 +19,7 @@ const COLOURS: usize = 6;
 const STEPS: [u64; 18] =
     [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1_800, 3_600, 7_200, 14_400, 28_800, 86_400, 864_000];
 
-/// The maximum number of intervals between ticks at the start.
+/// The maximum number of intervals between ticks, before the user zooms.
 const MAX_INTERVALS: u64 = 5;
 
 /// The picture of a timeline. Lanes without changes are left out.
@@ -50,14 +50,14 @@ pub(super) fn picture(timeline: &Timeline) -> Markup {
     }
 }
 
-/// Lanes with the same topic, subject and group have a common heading.
+/// The heading of a lane. Lanes with the same topic, subject and group share a heading.
 fn section(lane: &Lane) -> (&str, Option<&str>, Option<&str>) {
     (&lane.topic, lane.subject.as_deref(), lane.group.as_ref().map(|group| &*group.text))
 }
 
 fn heading(lane: &Lane, timeline: &Timeline) -> Markup {
     html! {
-        // The lane itself names its topic.
+        // The lane itself contains the name of its topic.
         @if lane.name != lane.topic || lane.subject.is_some() { div.section { span {
             code { (shown(&lane.topic)) }
             @if let Some(subject) = &lane.subject { " " (shown(subject)) }
@@ -71,7 +71,7 @@ fn description(lane: &Lane) -> String {
     format!("{}: {count} change{}", lane_name(lane), if count == 1 { "" } else { "s" })
 }
 
-/// The start of a session as µs since midnight; 0 for times since the start.
+/// The start of the time axis, in µs. For a session, the time of the start since midnight; otherwise, 0.
 fn origin(timeline: &Timeline) -> i64 {
     let utc = timeline.utc(0).filter(|_| timeline.is_session);
     let number = |at: std::ops::Range<usize>| utc.as_deref().and_then(|utc| utc.get(at)?.parse::<i64>().ok());
@@ -81,11 +81,11 @@ fn origin(timeline: &Timeline) -> i64 {
     })
 }
 
-/// The ticks of the axis for the whole flight. The script draws the ticks for other zoom levels.
+/// The ticks of the axis for the whole flight. When the user zooms, the script draws other ticks.
 fn axis(timeline: &Timeline) -> Markup {
     let seconds = timeline.duration_us.div_ceil(1_000_000).max(1);
     let step = STEPS.into_iter().find(|step| seconds / step <= MAX_INTERVALS).unwrap_or(seconds);
-    // A hostile capture may last as long as 64 bits can count.
+    // The duration of a hostile capture may be any number of 64 bits.
     let (origin, step) = (i128::from(origin(timeline)), i128::from(step) * 1_000_000);
     let first = (origin.div_euclid(step) + i128::from(origin.rem_euclid(step) > 0)) * step;
     let ticks = (0..).map_while(|count: i128| {
@@ -96,7 +96,7 @@ fn axis(timeline: &Timeline) -> Markup {
         @for at in ticks {
             g.tick {
                 line x1=(percent(at, timeline)) x2=(percent(at, timeline)) y1="0" y2=(HEIGHT) {}
-                // A label at the end would be cut off.
+                // A label at the end would be truncated.
                 @if i128::from(at) * 10 < i128::from(timeline.duration_us) * 9 {
                     text x=(percent(at, timeline)) dx="4" y="15" { (tick(at, timeline)) }
                 }
@@ -134,7 +134,7 @@ fn track(lane: &Lane, timeline: &Timeline) -> Markup {
             @if let Some(value) = lane.values.get(change.value) {
                 @match lane.kind {
                     LaneKind::Event => (event(change, value, timeline)),
-                    // The value after the last listed change isn't known if more changes follow.
+                    // If further changes follow that aren't listed, the value after the last listed change isn't known.
                     _ if next.is_none() && lane.more_changes > 0 => (rest(lane, change, end, timeline)),
                     _ => (span(lane, change, value, next.map_or(end, |next| next.time_us), timeline)),
                 }
@@ -157,9 +157,9 @@ fn span(lane: &Lane, change: &Change, value: &Value, end: i64, timeline: &Timeli
         _ => severity(value).to_owned(),
     };
     html! {
-        // A cleared flag and an empty list leave the track empty.
+        // If a flag is cleared or a list is empty, the track is empty.
         @if !(is_flag(lane) && change.value == 0 || value.parts.is_empty()) {
-            // An inner image cuts off texts that don't fit.
+            // A nested image clips texts that don't fit.
             svg.span x=(percent(change.time_us, timeline)) width=(width(change.time_us, end, timeline)) height=(HEIGHT) {
                 rect.(class) y="2" width="100%" height=(HEIGHT - 4) {}
                 @if !is_flag(lane) {
@@ -172,7 +172,7 @@ fn span(lane: &Lane, change: &Change, value: &Value, end: i64, timeline: &Timeli
     }
 }
 
-/// The part of a lane in which more changes aren't listed.
+/// The part of a lane after its last listed change, in which the changes aren't listed.
 fn rest(lane: &Lane, change: &Change, end: i64, timeline: &Timeline) -> Markup {
     html! {
         rect.rest x=(percent(change.time_us, timeline)) width=(width(change.time_us, end, timeline)) y="2" height=(HEIGHT - 4) {

@@ -20,7 +20,7 @@ fn timeline(bytes: &[u8]) -> Timeline {
     Timeline::of_bytes(bytes, &definitions, &Texts::of(translations)).expect("a readable capture")
 }
 
-/// A session with hostile text in each place that a timeline shows.
+/// A session with hostile text in each text that a timeline shows.
 fn hostile() -> Timeline {
     let status = json!({ HOSTILE: { "errors": [66, 999_999], "mode": HOSTILE } });
     let message = json!({ "$fw.version": "1.0", "id": "a", "body": { "type": "UAV-INF", "status": status } });

@@ -23,7 +23,7 @@ const ATTEMPTS: u32 = 3;
 
 #[allow(clippy::needless_pass_by_value)] // bodies are written where they are passed
 impl Session {
-    /// Lands a glider that has these heights in mm, one every 1.5 s.
+    /// Adds a UAV-LAND with this answer, and then the states of the glider at these heights in mm, one every 1.5 s.
     pub(crate) fn lands(&mut self, answer: Value, heights: &[i64]) {
         self.exchange(json!({ "type": "UAV-LAND", "ids": ["kite"] }), answer.clone());
         if let Some(receipt) = answer["receipt"]["kite"].as_str() {

@@ -33,7 +33,7 @@ pub(in crate::listen) struct Session {
     pub(super) seat: Cell<Seat>,
     /// The packets for polls.
     pub(super) queue: Outbox,
-    /// Sends packets instead of the queue after an upgrade.
+    /// Sends the packets after an upgrade, in place of the queue.
     web_socket: RefCell<Option<Rc<Outbox>>>,
     is_polled: Cell<bool>,
     /// True if another request followed the first one, or if the session was opened over a WebSocket.

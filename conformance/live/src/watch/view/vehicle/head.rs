@@ -86,7 +86,7 @@ fn notes(scene: &Scene<'_>) -> Vec<String> {
     }
     if vehicle.unreadable > 0 {
         let count = plural(vehicle.unreadable, "message");
-        notes.push(format!("{count} can't be read: `uavspec probe` or `uavspec check` names the reasons"));
+        notes.push(format!("{count} can't be read: `uavspec probe` or `uavspec check` reports the reasons"));
     }
     if let Some(topic) = vehicle.ambiguous {
         notes.push(format!("several channels carry {topic}: the display mixes their vehicles"));

@@ -22,7 +22,7 @@ pub(super) fn set_flags(scene: &Scene<'_>, filter: &str, width: usize) -> Lines 
     let (theme, vehicle) = (scene.theme, scene.shown.vehicle);
     if vehicle.flags.is_empty() {
         let text = if vehicle.undecided.contains("failsafe_flags") {
-            "failsafe_flags of an unknown release: name it with --definitions, such as px4@1.18"
+            "failsafe_flags of an unknown release: specify it with --definitions, such as px4@1.18"
         } else {
             "no failsafe_flags yet: the vehicle must publish this topic"
         };
@@ -101,7 +101,7 @@ fn in_language(scene: &Scene<'_>, label: &Label) -> String {
     shown(label.in_language(scene.language))
 }
 
-/// The modes in which the vehicle can't arm, with the reasons in its reports; the current mode comes first.
+/// The modes in which the vehicle can't arm, with the reasons in its reports. The current mode comes first.
 pub(super) fn refusals(scene: &Scene<'_>, width: usize) -> Lines {
     let refused = scene.shown.vehicle.refused.as_deref().unwrap_or_default();
     if refused.is_empty() {
@@ -155,7 +155,7 @@ pub(super) fn modes(scene: &Scene<'_>, width: usize) -> Lines {
     lines
 }
 
-/// The name of a mode. The modes of external components have the names of the components.
+/// The name of a mode. A mode that an external component adds has the name of the component.
 fn mode_name(scene: &Scene<'_>, mode: i128) -> String {
     let vehicle = scene.shown.vehicle;
     match (vehicle.components.name_of_mode(mode), vehicle.flags.mode(mode)) {
@@ -260,7 +260,7 @@ fn title(theme: Theme, text: &str, more: &str) -> Lines {
     vec![Line::from(vec![Span::styled(text.to_owned(), theme.title()), Span::raw(format!("  {more}"))])]
 }
 
-/// A row with a word in the first column, wrapped into lines.
+/// A row with a word in the first column. The text is wrapped into lines.
 fn row<'t>(word: impl Into<Span<'t>>, text: impl Into<Span<'t>>, width: usize) -> Lines {
     labelled(word, text, INDENT, width)
 }

@@ -56,7 +56,7 @@ fn drawn(keys: &str, size: (u16, u16)) -> Vec<String> {
     with_vehicle(|shown| lines(&frame(&scene(shown, "en", true), keys, size)))
 }
 
-/// The two columns of a line on a screen with 140 columns.
+/// The two columns of a line on a screen that is 140 columns wide.
 fn halves(line: &str) -> (&str, &str) {
     let middle = line.char_indices().nth(71).map_or(line.len(), |(at, _)| at);
     (line[..middle].trim_end(), &line[middle..])

@@ -1,5 +1,5 @@
-//! A flight controller that takes part in arming checks. It is a ROS 2 node with hiroz, which implements names, type
-//! hashes and CDR independently of uavspec.
+//! A flight controller that takes part in arming checks. It is a ROS 2 node that uses hiroz, which implements names,
+//! type hashes and CDR independently of uavspec.
 //!
 //! ```text
 //! uavspec-hiroz-peer ROUTER    publishes ArmingCheckRequest, and prints each RegisterExtComponentRequest
@@ -77,7 +77,7 @@ fn main() -> hiroz::Result<()> {
     Ok(())
 }
 
-/// The time since 1970. uavspec requires only that it increases.
+/// The time in µs since 1970. uavspec only requires it to increase.
 fn microseconds() -> u64 {
     let time = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     u64::try_from(time.as_micros()).unwrap_or(u64::MAX)
