@@ -229,7 +229,7 @@ enum Format {
     Json,
 }
 
-/// The result of a command. An error ends the command early, and has already been printed.
+/// The exit status of a run. A later variant takes precedence over an earlier one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Status {
     Conforms,
@@ -241,29 +241,29 @@ enum Status {
     Usage,
 }
 
-/// Prints a problem, and returns this status.
+/// The result of a command. An error ends the command early, and has already been printed.
 type Exit = Result<Status, Status>;
 
 impl Status {
-    /// Prints a problem and how to solve it, and returns this status.
+    /// Prints a problem, and returns this status.
     fn because(self, problem: impl Display) -> Self {
         terminal::error(problem, None);
         self
     }
 
-    /// Prints a problem, which may have several lines, and returns this status.
+    /// Prints a problem and how to solve it, and returns this status.
     fn with_help(self, problem: impl Display, help: &str) -> Self {
         terminal::error(problem, Some(help));
         self
     }
 
-    /// Prints a failure, and returns this status.
+    /// Prints a problem, which may have several lines, and returns this status.
     fn with_details(self, problem: impl Display) -> Self {
         terminal::error_with_details(problem);
         self
     }
 
-    /// Prints the failure that is the reason for this status.
+    /// Prints a failure, and returns this status.
     fn failed(self, failure: &Failure) -> Self {
         terminal::eprintln!("{failure}");
         self

@@ -131,7 +131,7 @@ fn explains_words_that_are_no_paths() {
         (status, printed.starts_with("{\n  \"word\": \"vehicle_status.nav_state=17\",\n")),
         (Some(0), true)
     );
-    // The path of a file is a capture, even if its name is a word.
+    // An existing file is treated as a capture, even if its name is a word.
     fs::write(folder.path().join("134"), "notes").expect("a file");
     let (status, _, errors) = explain(folder.path(), &["134"]);
     assert_eq!(status, Some(3), "{errors}");

@@ -142,14 +142,14 @@ mod tests {
             (b"/annex/objects/MD5E-s1--0.ulg", "a git-annex pointer"),
             (b"\xa3\x95\x80\x80\x59FMT\0BBnNZ", "an ArduPilot DataFlash log"),
             (b"FMT, 128, 89, FMT, BBnNZ, Type,Length", "an ArduPilot DataFlash log"),
-            (b"\xa3\x95\x80\x81\x0bTIME", "a log of PX4's old logger"),
-            (&[&time[..], &packet].concat(), "a telemetry log of MAVLink"),
+            (b"\xa3\x95\x80\x81\x0bTIME", "a log from PX4's old logger"),
+            (&[&time[..], &packet].concat(), "a MAVLink telemetry log"),
             (&packet.repeat(2), "MAVLink messages"),
             (b"#ROSBAG V1.2\n", "a bag from an old ROS 1 version"),
             (b"\xd4\xc3\xb2\xa1\x02\0\x04\0", "a network capture"),
             (b"\x0a\x0d\x0d\x0a\x1c\0\0\0", "a network capture"),
             (&dji, "a DJI flight log"),
-            (b"H Product:Blackbox flight data recorder", "a log of Betaflight or INAV"),
+            (b"H Product:Blackbox flight data recorder", "a Betaflight or INAV log"),
             (b"\n<!DOCTYPE HTML>", "a web page"),
         ] {
             let found = describe(start).unwrap_or("nothing");

@@ -12,7 +12,7 @@ pub(super) const ROS1_EXTENSION: &str = "bag";
 const PACKED: [&str; 3] = ["gz", "zst", "zstd"];
 
 /// The reason for skipping a file that has no capture extension.
-pub const NOT_A_CAPTURE: &str = "the file extension isn't that of a capture";
+pub const NOT_A_CAPTURE: &str = "no capture has this extension";
 
 /// The file extensions of bags.
 const BAG_EXTENSIONS: [&str; 2] = ["mcap", "db3"];

@@ -87,9 +87,9 @@ pub enum StatedType {
     Unknown,
 }
 
-/// Compares the type in the schema of a channel, or otherwise the hash in its metadata, with a definition. The schema
-/// consists of its name, encoding and text. Empty schemas, invalid schemas, and schemas in other encodings contain no
-/// type.
+/// Compares the type of a channel with a definition. The type is read from the schema (its name, encoding and text). If
+/// the schema contains no type, the hash in the metadata is used. Empty schemas, invalid schemas, and schemas in other
+/// encodings contain no type.
 pub fn stated_type(
     schema: Option<(&str, &str, &[u8])>,
     metadata: &BTreeMap<String, String>,
@@ -110,7 +110,7 @@ pub fn stated_type(
     if is_same { StatedType::Same } else { StatedType::Other }
 }
 
-/// True if the metadata of a channel contain a type hash of the supported version.
+/// True if the metadata of a channel contains a type hash of the supported version.
 fn has_hash(metadata: &BTreeMap<String, String>) -> bool {
     metadata.get(HASH).is_some_and(|hash| is_comparable(hash))
 }
@@ -326,7 +326,7 @@ impl<'d> Channels<'d> {
         }
     }
 
-    /// Creates the checker for the messages of a channel, unless there are too many fields.
+    /// Creates the checker for the messages of a channel. Returns `None` if there are too many fields.
     fn checker(&mut self, open: &mut Open, source: TypeSource) -> Option<CdrChecker> {
         let definitions = self.run.definitions;
         // A checker takes time and memory for each field.

@@ -26,7 +26,8 @@ pub fn finding_name<'r>(rule: &'static Rule, subject: SubjectName<'r>, file: &'r
     Name { forms: forms.collect(), ..Name::rule(rule.id, file) }
 }
 
-/// The name of a topic or field without the namespace of the topic: `locked.data` of `/kite/winch/locked.data`.
+/// The name of a topic or field without the namespace of the topic, such as `locked.data` for
+/// `/kite/winch/locked.data`.
 fn without_namespace(name: &str) -> String {
     let last = name.rfind('/').map_or(0, |at| at + 1);
     let end = name[last..].find('.').map_or(name.len(), |at| last + at);

@@ -10,7 +10,7 @@ const MIN_UTC: u64 = 1_000_000_000_000_000;
 pub struct Clock {
     /// The time of the start of the capture, in µs.
     start: Option<u64>,
-    /// The time since 1970 in UTC minus the time of the capture, in µs, if it is known.
+    /// The difference between the time in UTC (since 1970) and the time of the capture, in µs, if it is known.
     utc_offset: Option<u64>,
 }
 

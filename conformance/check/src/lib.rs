@@ -422,7 +422,7 @@ fn check_with(
     Ok(Checked { result, definitions })
 }
 
-/// Chooses the definitions of a capture. Returns them with the bytes that were read for this.
+/// Chooses the definitions of a capture. Returns them, and the bytes that were read for this purpose.
 fn choose(
     kind: &Kind,
     bytes: &mut dyn Read,

@@ -28,8 +28,7 @@ pub(crate) const MAX_TOPICS: usize = 10_000;
 /// The maximum number of publishers, and of subscribers, that are listed for a topic.
 pub(crate) const MAX_ENDPOINTS: usize = 100;
 
-/// The maximum total size of stored schemas, in bytes. Five hundred ROS 2 types with their nested types take up half of
-/// this space.
+/// The maximum total size of stored schemas, in bytes. Five hundred ROS 2 types with their nested types use half of it.
 pub(crate) const MAX_SCHEMAS: usize = 8 << 20;
 
 /// The maximum size of a stored schema, in bytes.
@@ -72,7 +71,7 @@ pub(crate) const MAX_UNKNOWN_TYPES: usize = 1_000;
 /// The maximum length of an unknown type's name, in bytes.
 pub(crate) const MAX_TYPE_NAME: usize = 128;
 
-/// The maximum number of pieces of a text. Each piece causes the whole text to be parsed again.
+/// The maximum number of pieces of a text. The limit matters because the whole text is parsed again for each piece.
 pub(crate) const MAX_PIECES: usize = 1_000;
 
 /// The maximum number of messages that are read from one line.
@@ -113,7 +112,7 @@ pub(crate) const MAX_VALUES: usize = 500;
 /// The maximum length of the name of a lane, in characters.
 pub(crate) const MAX_LANE_NAME: usize = 160;
 
-/// The maximum number of events of PX4 that are stored, in addition to the changes of their lane.
+/// The maximum number of PX4 events that are stored, in addition to the changes of their lane.
 pub(crate) const MAX_EVENTS: usize = 100_000;
 
 /// The maximum number of components whose names are stored. PX4 supports far fewer components.

@@ -288,9 +288,8 @@ struct LogChecker<'d> {
     plans: BTreeMap<String, Rc<FormatPlan>>,
     /// The number of additional fields for which there is room in the plans.
     room: usize,
-    /// The topics with data, each with the offset of its subscription and the comparison of its format. A log may
-    /// declare a format again after its data, so the result applies to the format that was valid when the data was
-    /// read.
+    /// The topics with data: the offset of the subscription, and the result of comparing the format. A log may declare
+    /// a format again after its data, so the result applies to the format that was valid when the data was read.
     compared: BTreeMap<String, (u64, Comparison)>,
     /// The topics whose subscription has ended.
     parts: Parts,
@@ -471,7 +470,7 @@ impl<'d> LogChecker<'d> {
             Some(u64::from_le_bytes(bytes.try_into().ok()?))
         };
         let timestamp = time_at(plan.timestamp);
-        // Older releases of PX4 log topics that were never published. Their memory is empty, so no value has a meaning.
+        // Older PX4 releases log topics that were never published. Their memory is empty, so no value has a meaning.
         let is_published = timestamp != Some(0) || record.payload.iter().any(|byte| *byte != 0);
         if let Some(values) = plan.values.as_ref().filter(|_| is_published) {
             values.check(record.payload, subject, location, &mut self.run.findings);

@@ -28,7 +28,7 @@ pub trait Observer {
         definitions: &Definitions,
     );
 
-    /// Receives a line of text in a log. The level is a syslog level, from 0 to 7.
+    /// Receives a line of text in a log. `level` is a syslog level, from 0 to 7.
     fn text(&mut self, _level: u8, _text: &str, _time: u64) {}
 
     /// Receives a record of a session.

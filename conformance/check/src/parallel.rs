@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::{Mutex, PoisonError, mpsc};
 use std::thread;
 
-/// The maximum number of results for each thread that wait for the result of an earlier item.
+/// The maximum number of results per thread that are kept while the result of an earlier item is missing.
 const MAX_EARLY: usize = 64;
 
 /// Runs `work` for each of `items` in parallel. Passes the results to `take` in item order, each as early as possible.
@@ -24,8 +24,8 @@ pub fn each<T: Sync, R: Send>(
     if jobs <= 1 {
         return items.iter().for_each(|item| take(item, work(item)));
     }
-    // The numbers of the items that threads may start, and the results of finished items. Threads end when all items are
-    // started.
+    // Two channels: the numbers of the items that threads may start, and the results of finished items. Threads end
+    // when all items have been started.
     let (starting, started) = mpsc::channel();
     let (sender, done) = mpsc::channel();
     let (started, work) = (Mutex::new(started), &work);

@@ -140,7 +140,7 @@ impl<'d> CheckRun<'d> {
         }
     }
 
-    /// Creates a run that passes the records to an observer as well, if there is one.
+    /// Creates a run. If there is an observer, the run passes the records to it as well.
     pub(super) fn observed_by<'o: 'd>(
         definitions: &'d Definitions,
         observer: Option<&'d mut (dyn Observer + 'o)>,
@@ -175,7 +175,7 @@ impl<'d> CheckRun<'d> {
         }
     }
 
-    /// Passes a line of text to the observer. The level is a syslog level, from 0 to 7.
+    /// Passes a line of text to the observer. `level` is a syslog level, from 0 to 7.
     pub(super) fn text(&mut self, level: u8, text: &str, time: u64) {
         if let Some(observer) = &mut self.observer {
             observer.text(level, text, time);
@@ -415,8 +415,8 @@ impl<'d> CheckRun<'d> {
         self.corruption(location, text, Extent::WithGaps);
     }
 
-    /// Records a corrupt part, which may have contained messages of any channel, and the extent to which the capture is
-    /// readable.
+    /// Records a corrupt part, and the extent to which the capture is readable. The part may have contained messages of
+    /// any channel.
     pub(super) fn corruption(&mut self, location: Location, text: String, extent: Extent) {
         self.lost_any(location);
         self.sessions.lose();

@@ -40,7 +40,7 @@ pub struct Line {
     pub label: &'static str,
     /// The content in brief.
     pub text: String,
-    /// The full content, for reports with enough space; empty if `text` is already complete.
+    /// The lists that belong to the line.
     pub lists: Vec<List>,
     /// The full content, for reports with enough space; empty if `text` is complete.
     pub details: Vec<String>,

@@ -161,12 +161,12 @@ impl Timeline {
         follower.finish("capture".to_owned(), &result, definitions)
     }
 
-    /// Converts a time since the start to UTC, as text. `None` if the time of the start is unknown.
+    /// Converts a time since the start to UTC, as text. `None` if the capture doesn't state the time in UTC.
     pub fn utc(&self, time_us: i64) -> Option<String> {
         self.clock.utc(self.start.checked_add_signed(time_us)?)
     }
 
-    /// Converts a time since the start to UTC, in µs since 1970. `None` if the time of the start is unknown.
+    /// Converts a time since the start to UTC, in µs since 1970. `None` if the capture doesn't state the time in UTC.
     pub fn utc_micros(&self, time_us: i64) -> Option<u64> {
         self.clock.utc_micros(self.start.checked_add_signed(time_us)?)
     }

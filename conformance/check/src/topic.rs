@@ -16,7 +16,8 @@ fn message_of(topic: &str, definitions: &Definitions) -> Option<MessageId> {
     })
 }
 
-/// The PX4 topic in a ROS 2 name such as `/fmu/out/failsafe_flags`. An instance number may follow: `/sensor_accel/1`.
+/// The name of a PX4 topic, from a ROS 2 name such as `/fmu/out/failsafe_flags`. An instance number may follow:
+/// `/sensor_accel/1`.
 pub fn topic_of(topic: &str) -> &str {
     let mut segments = topic.rsplit('/').filter(|segment| !segment.is_empty());
     let last = segments.next().unwrap_or(topic);
@@ -43,7 +44,8 @@ pub fn definition_of(
     let last = name.rsplit(['/', '.']).next().unwrap_or(&name);
     let has_name = |id: &MessageId| definitions.schema.message(*id).name == last;
     if encoding.starts_with("ros2") {
-        // Vendors rename the package of PX4's messages. Elsewhere, such a type is unrelated: many packages have an `Event`.
+        // Vendors rename the package of PX4's messages. Outside of PX4's folders, such a type is unrelated: many
+        // packages have an `Event`.
         return by_topic().filter(|id| has_name(id) && is_exchanged(topic));
     }
     message_of(last, definitions).or_else(by_topic)

@@ -577,10 +577,10 @@ fn reports_describe_the_recording() {
 /// - It omits the holder of a license.
 /// - The components of a magnetic field have fractions.
 /// - It uses another name for preflight checks.
-/// - - It writes connection purposes as numbers, includes 0 in lists of error codes, and writes seconds instead of
+/// - It writes connection purposes as numbers, includes 0 in lists of error codes, and writes seconds instead of
 ///   milliseconds.
 /// - It doesn't report the end of a cancelled operation.
-/// - - It sends error codes that a client set for the server's gliders.
+/// - It sends error codes that a client set for the server's gliders.
 #[test]
 fn reports_the_deviations_of_real_servers() {
     let Some(corpus) = shared("corpus/flockwave") else { return };

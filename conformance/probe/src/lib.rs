@@ -96,7 +96,8 @@ const PACE: Duration = Duration::from_secs(2);
 /// The reduced pace, and the number of unanswered requests after which it applies.
 const REDUCED_PACE: (u32, Duration) = (3, Duration::from_millis(300));
 
-/// The maximum number of times that a request is sent again over UDP, because the request or its answer may be lost.
+/// The maximum number of times that a request is sent again over UDP, because the request or its answer may be lost,
+/// and the minimum interval between these attempts.
 const MAX_RESENDS: u32 = 3;
 const RESEND_INTERVAL: Duration = Duration::from_millis(100);
 
@@ -269,11 +270,11 @@ struct Probe<'p, 'd> {
     has_login: bool,
     /// True if the server announced that it ends connections.
     is_ending: bool,
-    /// True if answers have no envelope.
+    /// True if the server serves only one connection.
     is_exclusive: bool,
-    /// True if the survey was completed.
+    /// True if answers have no envelope.
     is_bare: bool,
-    /// True if the survey came to its end.
+    /// True if the survey was completed.
     has_survey: bool,
     steps: (usize, usize),
     on_progress: &'p dyn Fn(usize, usize),

@@ -1,4 +1,4 @@
-//! Probes of the reference server: without a bug there are no findings, and each bug violates its rule.
+//! Tests that probe the reference server: without a bug, there are no findings. Each bug violates its rule.
 
 use std::collections::BTreeSet;
 

@@ -1,4 +1,4 @@
-//! Probes of the reference autopilot and the reference component: without a bug there are no findings, and each bug
+//! Tests that probe the reference autopilot and the reference component: without a bug, there are no findings. Each bug
 //! violates its rule, live and in the recording.
 
 use uavspec_probe::self_test::vehicle::{cases, pairs};

@@ -34,15 +34,15 @@ const MAX_SUBJECTS: usize = 100;
 #[derive(Debug, Default)]
 pub(super) struct Html {
     action: Action,
-    /// The rows for the first subjects in the list of files.
+    /// The command line that reproduces the report.
     command: String,
     groups: Groups,
-    /// The section for the first subject, in a report that has no other subjects.
+    /// The rows for the first subjects in the list of files.
     rows: String,
     num_rows: usize,
-    /// The sections for the first subjects.
+    /// The section for the first subject, in a report that has no other subjects.
     only: String,
-    /// The number of subjects that need a section.
+    /// The sections for the first subjects.
     sections: String,
     /// The number of subjects that need a section.
     num_sections: usize,

@@ -10,12 +10,12 @@ use uavspec_schema::Failure;
 use super::Status;
 use super::outputs::Output;
 
-/// Reads the baselines. Prints errors.
+/// The baseline file to write.
 pub(super) fn outputs(args: &BaselineArgs) -> impl Iterator<Item = Output<'_>> {
     args.output().into_iter().map(|path| Output::new("--write-baseline", path))
 }
 
-/// Reads the baselines. Errors are printed.
+/// Reads the baselines. Prints errors.
 pub(super) fn read(args: &BaselineArgs) -> Result<Baselines, Status> {
     args.read(&rule_ids()).map_err(|failure| Status::Usage.failed(&failure))
 }

@@ -281,8 +281,9 @@ fn definition_hash(definition: &Definition) -> Option<String> {
     is_read.then(|| schema_hash(&definition.ty, definition.text.as_bytes())).flatten()
 }
 
-/// The type hash of a schema. The hash of a type that ROS 2 derives from a service or an action isn't the hash of a
-/// definition. rosbag2 writes an empty schema for types whose definitions it can't find.
+/// The type hash of a schema, calculated from its text. Returns `None` for a type that ROS 2 derives from a service or
+/// an action, because its hash isn't the hash of a definition. Also returns `None` for an empty schema, which rosbag2
+/// writes if it can't find the definition.
 fn schema_hash(name: &str, text: &[u8]) -> Option<String> {
     if text.is_empty() || derived_from(&plain(name)).is_some() {
         return None;

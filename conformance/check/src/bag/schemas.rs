@@ -104,7 +104,7 @@ impl Schemas {
         (&self.all[index].name, &self.all[index].encoding)
     }
 
-    /// The types of a schema. The error is the reason why they can't be read, or `None` if the schema has no text.
+    /// The types of a schema. The error is the reason why they can't be read. It is `None` if the schema has no text.
     pub(super) fn own(&self, index: Option<usize>) -> Result<Rc<Stated>, Option<String>> {
         let schema = index.and_then(|index| self.all.get(index)).ok_or(None)?;
         let read = || match &schema.text {
@@ -119,7 +119,7 @@ impl Schemas {
         schema.own.get_or_init(read).clone().map_err(|basis| basis.problem())
     }
 
-    /// The reason why a schema isn't used for JSON messages without a definition, or `None` if the schema has no text.
+    /// The reason why a schema isn't used for JSON messages without a definition. `None` if the schema has no text.
     pub(super) fn unused(&self, index: Option<usize>) -> Option<String> {
         let schema = self.all.get(index?)?;
         let has_text = schema.text.as_ref().is_ok_and(|text| !text.is_empty());

@@ -59,7 +59,7 @@ pub(super) fn read_source(
     copy.map(|copy| read(copy.path(), &|| copy.hide(), bag, file)).unwrap_or_default()
 }
 
-/// A copy of a file in the folder for temporary files. If the run is killed, the next run removes the copy.
+/// A temporary copy of a file. If the run is killed, the next run removes the copy.
 pub(crate) struct CopiedFile {
     /// Dropped before the temporary folder that contains it.
     file: NamedTempFile,

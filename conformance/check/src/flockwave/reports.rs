@@ -55,9 +55,9 @@ pub(crate) struct Report<'l> {
     pub(super) time: f64,
     /// The whole line.
     pub(super) text: &'l str,
-    /// The ids of the UAVs, and the timestamps of their states.
+    /// The `id` of the message.
     pub(crate) id: &'l str,
-    /// The UAVs and the timestamps of their states.
+    /// The ids of the UAVs, and the timestamps of their states.
     pub(crate) timestamps: Vec<(&'l str, Tree<'l>)>,
     version: &'l str,
 }

@@ -7,11 +7,11 @@
 //!
 //! # Differences to a ROS node
 //!
-//! - - The subscribers of a probe request best effort and volatile, so they match all publishers without partitions. If
+//! - The subscribers of a probe request best effort and volatile, so they match all publishers without partitions. If
 //!   a publisher stores messages, a second subscriber requests them, with reliable delivery. A reliable publisher waits
 //!   for its subscribers: if it keeps all messages, this program can slow it down.
-//! - - DDS doesn't announce the history. rustdds can't announce the partitions or the type hash of our endpoints.
-//! - - All subscribers of a topic have the type of the first one. Publishers with another type are reported.
+//! - DDS doesn't announce the history. rustdds can't announce the partitions or the type hash of our endpoints.
+//! - All subscribers of a topic have the type of the first one. Publishers with another type are reported.
 //! - The name of a node is the name of its participant.
 //!
 //! # Limits

@@ -1,11 +1,11 @@
 //! A Zenoh network, with the key names that ROS 2's `rmw_zenoh` uses.
 //!
 //! - A liveliness token announces an endpoint, see [`token`]. Nodes and services aren't reported.
-//! - - A message is a sample with an attachment. The sequence numbers in attachments reveal losses, see [`sequence`].
-//! - - Transient local publishers store messages, and reply with them to queries for keys below the key of their topic.
+//! - A message is a sample with an attachment. The sequence numbers in attachments reveal losses, see [`sequence`].
+//! - Transient local publishers store messages, and reply with them to queries for keys below the key of their topic.
 //!   The caches of early `rmw_zenoh` versions used other keys, and aren't queried.
-//! - - Zenoh drops a sample of more than 64 MiB without notice. The next message of the same publisher reveals the gap.
-//! - - Zenoh delivers large numbers of tokens slowly: 12,000 tokens take about 11 seconds.
+//! - Zenoh drops a sample of more than 64 MiB without notice. The next message of the same publisher reveals the gap.
+//! - Zenoh delivers large numbers of tokens slowly: 12,000 tokens take about 11 seconds.
 //!
 //! The crate hiroz-protocol has similar code, but it requires the default features of zenoh, and reads hashes that it
 //! can't parse as zeros.

@@ -50,7 +50,7 @@ pub struct Scene<'s> {
     pub language: &'s str,
     /// The styles.
     pub theme: Theme,
-    /// The sections, arranged in one or two columns.
+    /// The time of drawing.
     pub now: Instant,
 }
 
@@ -78,7 +78,7 @@ pub fn draw(frame: &mut Frame<'_>, scene: &Scene<'_>, pages: &mut Pages) {
     draw_columns(frame, columns, pages, middle);
 }
 
-/// The sections, in one or two columns.
+/// The sections, arranged in one or two columns.
 fn columns(scene: &Scene<'_>, filter: &str, width: u16) -> Vec<Vec<Line<'static>>> {
     let is_wide = width >= WIDE;
     let width = usize::from(if is_wide { (width - GAP) / 2 } else { width });
