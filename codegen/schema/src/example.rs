@@ -155,7 +155,7 @@ impl Example {
     }
 
     /// The path and text. A catalogue or hints file is preceded by the definitions that it refers to. The file
-    /// [`STATUS`] is preceded by the event metadata that contains its values.
+    /// `STATUS` is preceded by the event metadata that contains its values.
     pub fn files(&self) -> Vec<(&'static str, &'static str)> {
         let definitions: &[Self] = match self.path {
             path if is_catalogue(path) => &[TRANSLATED],
