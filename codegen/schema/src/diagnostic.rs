@@ -450,7 +450,7 @@ problems! {
     CatalogueLanguage { found: String, tag: String } = Error "catalogue-language"
         "the language is `{found}` in the header, but `{tag}` in the file name", "correct one of them";
     DuplicateCatalogue { tag: String } = Error "duplicate-catalogue"
-        "duplicate catalogue for `{tag}`", "move its entries to the first catalogue; each language has one file";
+        "duplicate catalogue for `{tag}`", "move its entries to the first catalogue; each language can have only one file";
     DuplicateTranslation { key: String } = Error "duplicate-translation"
         "duplicate entry for `{key}`", "remove one of them";
     UnknownTranslation { what: String } = Warning "unknown-translation"

@@ -20,7 +20,7 @@ use super::print::print_rendered;
 /// Arguments for baselines.
 #[derive(Args, Debug)]
 pub struct BaselineArgs {
-    /// Baseline: a list of known findings, which don't count (repeatable)
+    /// Baseline: a list of known findings, which don't make the run fail (repeatable)
     ///
     /// If an entry no longer applies, the run fails with status 4.
     #[arg(long, value_name = "FILE")]

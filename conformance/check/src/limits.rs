@@ -103,7 +103,7 @@ pub(crate) const MAX_LANES: usize = 2_000;
 /// The maximum number of changes that a lane contains. Further changes are only counted.
 pub const MAX_CHANGES: usize = 500;
 
-/// The maximum number of changes that all lanes contain. Further changes are only counted.
+/// The maximum number of changes in all lanes together. Further changes are only counted.
 pub const MAX_ALL_CHANGES: usize = 10_000;
 
 /// The maximum number of distinct values in a lane, not counting the value that represents all others.

@@ -114,7 +114,7 @@ const FIELDS: [&str; 11] = [
     "flaps",
 ];
 
-/// A UAV and its status. The id in the status usually matches.
+/// A UAV and its status. The id in the status usually equals the key.
 fn state() -> impl Strategy<Value = (String, Value)> {
     let uav = prop_oneof![20 => prop::sample::select(vec!["kite", "owl", "swift", "möwe"]).prop_map(str::to_owned),
                           1 => "[a-z/\\\\\"]{0,3}", 1 => "[x]{63,70}"];

@@ -182,7 +182,7 @@ fn receipts(answer: &Value) -> Vec<String> {
     }
 }
 
-/// An answer to a command, for one UAV. It is only informative: the status of the UAV decides whether an effect is
+/// An answer to a command, for one UAV. The probe doesn't rely on it: the status of the UAV shows whether an effect is
 /// undone.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Reply {

@@ -1,5 +1,5 @@
-//! The attempt to undo the effect of a command on one UAV. The status of the UAV decides whether it is safe. An answer
-//! is only informative, because it may be missing, null, late or wrong.
+//! The attempt to undo the effect of a command on one UAV. The status of the UAV shows whether it is safe. Answers
+//! are reported but not relied on, because they may be missing, null, late or wrong.
 
 use std::time::{Duration, Instant};
 

@@ -137,9 +137,9 @@ pub(super) struct CheckArgs {
     report: ReportArgs,
     /// Write tables to this folder, like --report parquet=DIR, and skip the captures that it contains.
     ///
-    /// Continues a run that was interrupted, or adds new captures. A capture is skipped if it has the same version in the
-    /// object store, or if a file has the same size. Captures that couldn't be read are tried again. Requires a program
-    /// that was built with the feature `tables`.
+    /// Continues a run that was interrupted, or adds new captures. A capture is skipped if it hasn't changed: if an
+    /// object has the same version as before, or a file the same size. Captures that couldn't be read are tried again.
+    /// Requires a program that was built with the feature `tables`.
     #[arg(long, value_name = "DIR")]
     resume: Option<PathBuf>,
     /// Also write the changes of failsafe flags, error codes, modes and arming checks, and the events of PX4, as tables.

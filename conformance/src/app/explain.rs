@@ -53,7 +53,7 @@ pub(super) struct ExplainArgs {
     /// means standard input.
     ///
     /// A word is an error code or its abbreviation, a topic, a message, a field, a value of a field, a constant, a
-    /// uORB message hash, a ROS type hash, or a rule. An existing path is never a word.
+    /// uORB message hash, a ROS type hash, or a rule. The path of an existing file is always a capture.
     #[arg(value_name = "WHAT")]
     what: PathBuf,
     /// Release in which a word is explained, such as px4@1.16 [default: all releases].

@@ -113,7 +113,7 @@ pub(super) struct ProbeArgs {
     /// doesn't recover by itself, and the outcome says how many requests were not sent.
     #[arg(long, value_name = "COMMAND")]
     on_crash: Option<String>,
-    /// Time to wait for the UAVs of --uav to appear [default: 30].
+    /// Time to wait for the UAVs given with --uav to appear [default: 30].
     ///
     /// If one of them doesn't appear, the probe is incomplete.
     #[arg(long, value_name = "SECONDS", value_parser = seconds, requires = "allow_commands")]

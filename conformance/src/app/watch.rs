@@ -77,7 +77,7 @@ pub(super) struct WatchArgs {
     /// ?domain=NUMBER. Vehicles require a program that was built with the feature `live`, or with the feature of the
     /// transport, such as `dds`.
     ///
-    /// Captures: the path of a PX4 log, a bag, or JSON messages. The capture is replayed.
+    /// Captures: the path of a PX4 log, a bag, or a file with JSON messages. The capture is replayed.
     #[arg(value_name = "URL|FILE")]
     source: Source,
     #[command(flatten)]

@@ -20,7 +20,7 @@ pub(super) static TABLE: Table<EventRow> = Table {
         Column::text("capture", "The path or URL.", |row| Some(&row.capture)),
         Column::number(
             "time",
-            "The time since the start of the capture; negative for older events.",
+            "The time since the start of the capture; negative for events from before the start.",
             |row: &EventRow| Some(row.time),
         )
         .in_unit("s"),

@@ -13,7 +13,7 @@ pub(super) static TABLE: Table<TimelineRow> = Table {
         Column::text("capture", "The path or URL.", |row| Some(&row.capture)),
         Column::number(
             "time",
-            "The time since the start of the capture; negative for older messages.",
+            "The time since the start of the capture; negative for messages from before the start.",
             |row: &TimelineRow| Some(row.time),
         )
         .in_unit("s"),
@@ -25,9 +25,11 @@ pub(super) static TABLE: Table<TimelineRow> = Table {
             |row| row.subject.as_deref(),
         ),
         Column::text("kind", "The kind: `flag`, `state`, `check` or `event`.", |row| Some(row.kind)),
-        Column::text("value", "The new value: `set` or `cleared` for a flag, otherwise its names.", |row| {
-            Some(&row.value)
-        }),
+        Column::text(
+            "value",
+            "The new value: `set` or `cleared` for a flag, the names of the value for other fields.",
+            |row| Some(&row.value),
+        ),
         Column::text("label", "The meaning of the flag or of the value, in English.", |row| {
             row.label.as_deref()
         }),

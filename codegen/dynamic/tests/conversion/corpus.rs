@@ -15,8 +15,8 @@ use uavspec_test_definitions::{add_folder, differs, extent, shared};
 use super::reference::convert_json;
 use super::support::PX4_HINTS;
 
-/// The converted releases, in order. A quick run converts only between the two releases with the most hand-written
-/// translations.
+/// The releases that the tests convert between, oldest first. A quick run converts only between the two releases with
+/// the most hand-written translations.
 pub(super) fn releases() -> &'static [&'static str] {
     extent::<&[&str]>(&["1.13", "1.14", "1.15", "1.16", "1.17", "1.18", "main"], &["1.16", "1.17"])
 }

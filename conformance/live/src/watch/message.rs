@@ -73,7 +73,7 @@ fn content(message: &Tree<'_>) -> Content {
     }
 }
 
-/// A string, or a description of another value.
+/// The text of a string, or a description of any other value.
 fn text(value: &Tree<'_>) -> String {
     value.as_str().map_or_else(|| truncated(&value.to_string()), truncated)
 }

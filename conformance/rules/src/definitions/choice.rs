@@ -15,7 +15,7 @@ pub struct Clues {
     /// The types in a bag or of JSON messages, by full ROS name.
     pub types: BTreeMap<String, TypeClue>,
     /// The versions in the names of PX4's ROS topics, by the full ROS name of the type, or by topic if the type isn't
-    /// stated. They include the topics of subscribers.
+    /// stated. Includes topics that only have subscribers.
     pub topic_versions: BTreeMap<String, BTreeSet<u32>>,
     /// The firmware's version, as two numbers.
     pub version: Option<(u8, u8)>,

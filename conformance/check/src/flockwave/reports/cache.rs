@@ -43,8 +43,8 @@ struct Entry<K> {
     outcome: Option<Outcome>,
     /// True if the entry's findings have enough examples, so further findings are only counted.
     is_settled: bool,
-    /// The UAVs whose findings have been reported since `is_settled` became true. Finding messages name the UAV, so
-    /// each UAV's first report is checked in full.
+    /// The UAVs whose findings have been reported since `is_settled` became true. The first report of each UAV is
+    /// checked in full, because the messages of findings contain the UAV's id.
     reported_uavs: BTreeSet<Box<str>>,
     /// The number of counted reports or states.
     times: u64,
