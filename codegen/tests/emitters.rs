@@ -116,8 +116,10 @@ fn own_packages_carry_their_own_names() {
         let files = walkdir::WalkDir::new(folder.path().join("out")).into_iter();
         let files = files.filter_map(|entry| fs::read_to_string(entry.ok()?.path()).ok());
         let text = files.collect::<String>();
-        let found: Vec<&str> = text.lines().filter(|line| line.contains("px4_msgs")).collect();
-        assert!(found.is_empty(), "{form}: {found:?}");
+        for foreign in ["px4_msgs", "uavspec.dev"] {
+            let found: Vec<&str> = text.lines().filter(|line| line.contains(foreign)).collect();
+            assert!(found.is_empty(), "{form}: {found:?}");
+        }
         for own in ["my_msgs/msg/Wind", "my_msgs/srv/Reef", "my_ros/msg/Boat", "codes/ErrorCode.schema.json"]
         {
             assert!(text.contains(own), "{form}: {own}");

@@ -449,7 +449,8 @@ fn prints_rules_and_help() {
     let here = Path::new(".");
     let (status, printed, _) = uavspec(here, &["rules", "PX-RANGE-01"]);
     assert_eq!(status, Some(0));
-    for wanted in ["PX-RANGE-01  SHOULD, normative", "What the rule finds"] {
+    let url = uavspec_lint::report::rule_url("PX-RANGE-01");
+    for wanted in ["PX-RANGE-01  SHOULD, normative", "What the rule finds", &url] {
         assert!(printed.contains(wanted), "{wanted}: {printed}");
     }
     let (status, _, output) = uavspec(here, &["rules", "PX-NONE-01"]);
@@ -470,7 +471,11 @@ fn prints_rules_and_help() {
     }
     let (status, printed, _) = uavspec(here, &["check", "--help"]);
     assert_eq!(status, Some(0));
-    assert!(printed.contains("Examples") && printed.contains("uavspec check flight.ulg"), "{printed}");
+    assert!(
+        printed.contains("Examples, with the files of `uavspec sample`:")
+            && printed.contains("uavspec check flight.ulg"),
+        "{printed}"
+    );
 }
 
 #[test]

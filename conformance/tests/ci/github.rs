@@ -127,7 +127,8 @@ fn run_script(
 /// Checks the upload step, and returns the path of the reports.
 fn upload(step: &Value, context: &Context) -> PathBuf {
     let uses = step["uses"].as_str().expect("a script or an action");
-    assert!(uses.starts_with("github/codeql-action/upload-sarif@"), "{uses}");
+    let revision = uses.strip_prefix("github/codeql-action/upload-sarif@").expect(uses);
+    assert!(revision.len() == 40 && revision.bytes().all(|byte| byte.is_ascii_hexdigit()), "{uses}");
     for (name, _) in members(&step["with"]) {
         assert!(UPLOAD_INPUTS.contains(&name.as_str()), "the action has no input `{name}`");
     }

@@ -111,6 +111,7 @@ fn every_result_of_sarif_has_its_rule() {
     assert_eq!(rules[1]["fullDescription"]["text"], "Say `x`. Since y.");
     assert_eq!(rules[1]["helpUri"], "https://example.org/docs/rules/unit-missing.html");
     assert_eq!(rules[1]["defaultConfiguration"]["level"], "warning");
+    assert_eq!(rules[2]["helpUri"], "https://example.org/docs/rules/reading.html#unknown-type");
     assert_eq!(rules[2]["defaultConfiguration"]["level"], "error");
 }
 
