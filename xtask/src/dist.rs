@@ -46,8 +46,8 @@ const CHECKSUMS: &str = "SHA256SUMS";
 
 On macOS and Windows, builds only the archive for this machine, and requires only Rust and a C compiler.
 
-On Linux, requires maturin, cargo-zigbuild and cargo-deb, and the standard library for each target. Targets without it are \
-skipped, unless --target names them. --test requires root privileges, debootstrap, npm, and qemu-user-static for other \
+On Linux, requires maturin, cargo-zigbuild and cargo-deb, and the standard library for each target. Targets without it \
+are skipped, unless --target names them. --test requires root privileges, debootstrap, npm, and qemu-user-static for other \
 processors.")]
 pub(crate) struct Arguments {
     /// Target to build for (repeatable) [default: all that can be built here]
@@ -149,8 +149,7 @@ fn time(root: &Path) -> Result<u64, String> {
 fn archive(program: &Program, documents: &Path, time: u64) -> Result<File, String> {
     let folder = format!("uavspec-{VERSION}-{}", program.platform.target);
     let mut files = [licences(), program.third_party.clone()].concat();
-    let is_windows = program.platform.target.contains("windows");
-    files.push(program.file(if is_windows { "uavspec.exe" } else { "uavspec" }));
+    files.push(program.file(program.platform.program()));
     files.push(File::new("README.md", include_str!("dist/README.md")));
     files.push(File::new("CHANGELOG.md", include_str!("../../CHANGELOG.md")));
     for part in ["completions", "man/man1"] {

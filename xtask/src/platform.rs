@@ -51,6 +51,11 @@ pub(crate) static NATIVE: Platform = Platform {
 };
 
 impl Platform {
+    /// The file name of the program.
+    pub(crate) fn program(&self) -> &'static str {
+        if self.target.contains("windows") { "uavspec.exe" } else { "uavspec" }
+    }
+
     /// The target of the Rust compiler for Python modules, which are linked with a C library: `gnu` or `musl`.
     pub(crate) fn module_target(&self, library: &str) -> String {
         format!("{}-unknown-linux-{library}", self.machine)

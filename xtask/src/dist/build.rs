@@ -1,7 +1,6 @@
 //! Builds the program and the Python package without paths of this machine. zig compiles the C code and links, so one
 //! machine builds for all platforms, and for older systems than its own.
 
-use std::env::consts::EXE_SUFFIX;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -76,8 +75,7 @@ pub(super) fn native(platform: &'static Platform, time: u64) -> Result<Built, St
     let mut command = Command::new(cargo());
     command.args(["build", "--locked", "--profile", PROFILE, "--package", "uavspec", "--bin", "uavspec"]);
     run_with(command.args(["--features", FEATURES, "--target", platform.target]), time)?;
-    let name = format!("uavspec{EXE_SUFFIX}");
-    Ok(Built { platform, path: folder().join(platform.target).join(PROFILE).join(name) })
+    Ok(Built { platform, path: folder().join(platform.target).join(PROFILE).join(platform.program()) })
 }
 
 /// Builds the source distribution of the Python package.

@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 use uavspec_model::text::{plural, thousands};
 
-use super::{badge, finding, link, with_code};
+use super::{badge, finding, with_code};
 use crate::by_rule::{ByRule, Listed};
 use crate::{RuleReport, Verdict};
 
@@ -46,7 +46,7 @@ fn rule_section(listed: &Listed<'_>, is_single: bool) -> Markup {
     let more = listed.more_than(open.len() + shown.len());
     html! {
         section.group aria-labelledby=(rule.id) {
-            h3 id=(rule.id) { (badge(rule.verdict)) " " (link("id", &rule.url, rule.id)) " " (level(rule)) }
+            h3 id=(rule.id) { (badge(rule.verdict)) " " (id(rule)) " " (level(rule)) }
             (requirement(rule))
             p.aside { (plural(rule.findings, "finding")) " in " (plural(rule.covered, "check")) }
             @for group in open { (finding::article(rule, group, is_single)) }
@@ -106,6 +106,14 @@ pub(super) fn others(by_rule: &ByRule<'_>) -> Markup {
     }
 }
 
+/// The id of a rule, with a link to its page if the page is published.
+fn id(rule: &RuleReport) -> Markup {
+    html! {
+        @if rule.url.is_empty() { span.id { (rule.id) } }
+        @else { a.id href=(rule.url) { (rule.id) } }
+    }
+}
+
 /// A table of rules. The heading of the last column is `Findings` or `Checks`.
 fn table(heading: &str, rules: &[&RuleReport]) -> Markup {
     html! {
@@ -116,7 +124,7 @@ fn table(heading: &str, rules: &[&RuleReport]) -> Markup {
                     tr {
                         td {
                             @if heading == "Findings" { (badge(rule.verdict)) " " }
-                            (link("id", &rule.url, rule.id)) " " (level(rule))
+                            (id(rule)) " " (level(rule))
                             (requirement(rule))
                         }
                         td.number {
