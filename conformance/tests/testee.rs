@@ -241,7 +241,7 @@ fn reports_the_case_that_crashes_and_its_standard_error() {
     assert!((2..=3).contains(&outcome.restarts), "{}", outcome.restarts);
 }
 
-/// When a testee ends, the processes that it started end as well, and don't delay the run.
+/// The processes that a testee started end together with the testee, and don't delay the run.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_crash_leaves_no_processes_behind() {

@@ -245,7 +245,7 @@ impl Metadata {
 struct FormatPlan {
     /// The checks of the values. `None` if there are too many fields.
     values: Option<Plan>,
-    /// The share of the fields that are checked: those that the format and the definition share.
+    /// The share of the fields that are checked, because both the format and the definition contain them.
     fields: Share,
     /// The offset of `timestamp` in the payload.
     timestamp: Option<usize>,

@@ -154,7 +154,7 @@ impl Outcome {
         if let Some(only) = totals.only() {
             return only.outcome.clone();
         }
-        // A testee that has nothing to check doesn't affect the outcome of others.
+        // A testee without checked cases doesn't affect the outcome of other testees.
         let Some(worst) = totals.worst() else {
             return Self::new(OutcomeKind::Nothing, "Nothing was checked");
         };

@@ -21,7 +21,7 @@ pub(super) const TABLES_KEY: &str = "uavspec.tables";
 pub(super) struct Table<R: 'static> {
     /// The name.
     pub(super) name: &'static str,
-    /// A description of what a row contains.
+    /// A description of the content of a row.
     #[cfg_attr(not(test), allow(dead_code, reason = "the guide contains it"))]
     pub(super) description: &'static str,
     pub(super) columns: &'static [Column<R>],

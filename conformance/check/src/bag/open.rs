@@ -299,7 +299,7 @@ impl Open {
         if other_cdr > 0 {
             result = result.max(PartResult::Unsupported);
         }
-        // The only messages that are decoded but not checked are those that don't indicate the type of their channel.
+        // A message is decoded but not checked only if it doesn't indicate the type of its channel.
         if decoded > checked {
             result = result.max(PartResult::Keyless);
         }

@@ -6,7 +6,7 @@ use uavspec_rules::rule;
 
 use super::{checked, violated, violated_by};
 
-/// Adds a message that has nothing to do with the operation.
+/// Adds a message about something other than the operation.
 fn other(session: &mut Session) {
     session.notify(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
 }

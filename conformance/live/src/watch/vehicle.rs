@@ -1,4 +1,4 @@
-//! The known state of a PX4 vehicle, limited to what explains why the vehicle can't arm. This module does no input or
+//! The known state of a PX4 vehicle, limited to the reasons why the vehicle can't arm. This module does no input or
 //! output, so the same messages result in the same state.
 //!
 //! ```text

@@ -44,7 +44,7 @@ pub(super) fn start<'s>(
     scope.spawn(move || flood_with_datagrams(addresses[1], is_over));
 }
 
-/// What a bad client does after it has connected, and afterwards.
+/// The behaviour of a bad client after it has connected.
 #[derive(Clone, Copy, Debug)]
 enum Behaviour {
     /// Sends these bytes once.
