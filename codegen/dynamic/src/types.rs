@@ -27,6 +27,7 @@ impl Types {
     /// # Panics
     ///
     /// Panics if `id` belongs to another schema or log.
+    #[inline]
     pub fn get(&self, id: MessageId) -> MessageType<'_> {
         MessageType { types: self, plan: &self.plans[id.0 as usize] }
     }

@@ -15,7 +15,7 @@ use uavspec_runtime::{Number, Scalar};
 use uavspec_schema::source::Span;
 use uavspec_schema::{Element, MessageId, Restriction, Shape};
 
-use self::accepted::Accepted;
+use self::accepted::{Accepted, Block};
 use super::ValueRules;
 use super::values::{Coverage, Encoding, detail, entries_in_use, rules_on};
 use crate::limits::{MAX_PATH, MAX_REPORTED};
@@ -25,6 +25,8 @@ use crate::limits::{MAX_PATH, MAX_REPORTED};
 pub struct Plan {
     rules: &'static ValueRules,
     steps: Vec<Step>,
+    /// The fast check of all values. `None` if their number or size varies.
+    fast: Option<Vec<Block>>,
     /// For each rule, the number of values that it covers in a message.
     coverage: Coverage,
 }
@@ -111,11 +113,28 @@ impl Plan {
         let mut steps = Vec::new();
         let within = Within { base: 0, path: "", subject: "", entries: &[] };
         compiler.add(format, defined, within, &mut steps);
-        Self { rules, steps, coverage: compiler.coverage }
+        let blocks: Option<Vec<Block>> = steps.iter().map(Step::block).collect();
+        let fast = blocks.map(Block::merge);
+        Self { rules, steps, fast, coverage: compiler.coverage }
     }
 
     /// Checks a payload of a topic. The payload must contain all fields of its format.
+    #[inline]
     pub fn check(&self, payload: &[u8], topic: SubjectName<'_>, location: Location, findings: &mut Findings) {
+        let is_accepted = |blocks: &Vec<Block>| blocks.iter().all(|block| block.accepts(payload));
+        if !self.fast.as_ref().is_some_and(is_accepted) {
+            self.check_each(payload, topic, location, findings);
+        }
+    }
+
+    /// Checks each value, and reports the violations.
+    fn check_each(
+        &self,
+        payload: &[u8],
+        topic: SubjectName<'_>,
+        location: Location,
+        findings: &mut Findings,
+    ) {
         let (reported, settled) = (0, Vec::new());
         let mut run = Run { payload, topic, location, rules: self.rules, findings, reported, settled };
         run.steps(&self.steps, 0, None);
@@ -534,6 +553,17 @@ impl Entry {
 }
 
 impl Step {
+    /// The fast check of the values. `None` if their number or size varies.
+    fn block(&self) -> Option<Block> {
+        match &self.content {
+            Content::Values(Values { element: Element::String { .. }, .. }) | Content::Sequence(_) => None,
+            Content::Values(Values { width, accepted, .. }) => {
+                let Self { offset, count, stride, .. } = *self;
+                Some(Block { offset, count, stride, width: *width, accepted: *accepted })
+            }
+        }
+    }
+
     /// True if a value is in use. Unused values are ignored.
     fn is_in_use(&self, index: usize, values: &Values, base: usize, payload: &[u8]) -> bool {
         // All characters of a text form a single value.

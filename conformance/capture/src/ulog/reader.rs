@@ -41,6 +41,9 @@ pub struct Item<'b> {
 pub struct Reader<R> {
     window: Window<R>,
     state: State,
+    /// The size of the message at the cursor, if it is clearly valid data. The check of the previous message includes this
+    /// one, because a message is valid only if another one follows.
+    certain: Option<u16>,
     sections: Sections,
     /// The problems to return before reading continues.
     queued: VecDeque<(u64, Problem)>,
@@ -92,6 +95,7 @@ impl<R: Read> Reader<R> {
         Self {
             window: Window::new(input, Self::CAPACITY),
             state: State::Start,
+            certain: None,
             sections: Sections { end: u64::MAX, later: VecDeque::new() },
             queued: VecDeque::new(),
             ids: Ids::default(),
@@ -109,10 +113,10 @@ impl<R: Read> Reader<R> {
     #[allow(clippy::should_implement_trait)]
     #[inline]
     pub fn next(&mut self) -> io::Result<Option<Item<'_>>> {
-        let Some(size) = self.data_ahead() else { return self.next_of_any_kind() };
+        let Some(total) = self.data_ahead() else { return self.next_of_any_kind() };
         let offset = self.window.offset();
-        self.window.advance(HEADER + size);
-        let bytes = self.window.behind(HEADER + size);
+        self.window.advance(total);
+        let bytes = self.window.behind(total);
         let event = match &bytes[HEADER..] {
             [low, high, payload @ ..] => Event::Data { id: u16::from_le_bytes([*low, *high]), payload },
             payload => Event::Unknown { kind: b'D', payload },
@@ -120,25 +124,33 @@ impl<R: Read> Reader<R> {
         Ok(Some(Item { offset, event, bytes }))
     }
 
-    /// The size of the next message, if the message is in the buffer and is clearly valid data. Nearly all messages
-    /// meet both conditions.
+    /// The size of the next message with its header, if the message is clearly valid data and another such message
+    /// follows in the buffer. Nearly all messages meet these conditions.
     #[inline]
-    fn data_ahead(&self) -> Option<usize> {
-        if self.state != State::Messages || !self.queued.is_empty() || !self.ids.are_certain() {
-            return None;
-        }
-        let bytes = self.window.ahead();
-        let header = Header::read(bytes)?;
-        let next = bytes.get(header.total()..header.total() + Look::NEXT)?;
-        let (next, id_of_next) = (Header::read(next)?, &next[HEADER..]);
-        let end = self.window.offset() + (header.total() + Look::NEXT) as u64;
-        let is_plain = header.kind == b'D'
-            && header.is_plausible()
-            && self.ids.expect(header.size, &bytes[HEADER..])
-            && next.kind == b'D'
-            && self.ids.expect(next.size, id_of_next)
-            && end <= self.sections.end;
-        is_plain.then_some(header.size.into())
+    fn data_ahead(&mut self) -> Option<usize> {
+        let size = match self.certain.take() {
+            Some(size) => size,
+            None if self.state == State::Messages && self.queued.is_empty() && self.ids.are_certain() => {
+                self.data_at(0)?
+            }
+            None => return None,
+        };
+        let total = HEADER + usize::from(size);
+        self.certain = self.data_at(total);
+        self.certain.map(|_| total)
+    }
+
+    /// The size of the message this many bytes behind the cursor, if its header and id are in the buffer and it is clearly
+    /// data.
+    #[inline]
+    fn data_at(&self, position: usize) -> Option<u16> {
+        let [low, high, kind, id @ ..] =
+            *self.window.ahead().get(position..)?.first_chunk::<{ Look::NEXT }>()?;
+        let size = u16::from_le_bytes([low, high]);
+        let end = self.window.offset() + (position + Look::NEXT) as u64;
+        let is_data =
+            kind == b'D' && self.ids.expect(size, u16::from_le_bytes(id)) && end <= self.sections.end;
+        is_data.then_some(size)
     }
 
     fn next_of_any_kind(&mut self) -> io::Result<Option<Item<'_>>> {

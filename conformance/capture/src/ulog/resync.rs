@@ -95,13 +95,13 @@ impl Ids {
         self.doubtful.is_empty()
     }
 
-    /// True if messages with the id at the start of `payload` have this size.
+    /// True if messages with this id have this size.
     #[inline]
-    pub(super) fn expect(&self, size: u16, payload: &[u8]) -> bool {
-        self.size(payload) == size
+    pub(super) fn expect(&self, size: u16, id: u16) -> bool {
+        size > UNSEEN && self.sizes[usize::from(id)] == size
     }
 
-    #[inline]
+    /// The known size of messages with the id at the start of `payload`.
     fn size(&self, payload: &[u8]) -> u16 {
         payload.first_chunk().map_or(UNSUBSCRIBED, |id| self.sizes[usize::from(u16::from_le_bytes(*id))])
     }
@@ -162,7 +162,7 @@ impl Look<'_> {
         let (message, behind) = self.bytes.split_at_checked(header.total())?;
         let is_followed = match (Header::read(behind), behind.get(HEADER..Self::NEXT)) {
             (None, _) => self.is_closed,
-            (Some(Header { kind: b'D', size }), Some(id)) => self.ids.expect(size, id),
+            (Some(Header { kind: b'D', size }), Some(id)) => self.ids.size(id) == size,
             (Some(next), _) => next.is_usual(),
         };
         let is_sound = || match header.kind {
@@ -271,7 +271,7 @@ impl Look<'_> {
             return Plausibility::Wrong;
         }
         let is_sound = match (header.kind, payload) {
-            (b'D', id) if self.ids.expect(header.size, id) => true,
+            (b'D', id) if self.ids.size(id) == header.size => true,
             (b'D', _) => return Plausibility::Possible,
             (b'F', text) => is_format(text),
             (b'I' | b'P', entry) | (b'M' | b'Q', [_, entry @ ..]) => is_entry(entry),

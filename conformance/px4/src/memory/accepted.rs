@@ -1,6 +1,6 @@
 //! A fast check of values in memory. Most values pass, and only the others are examined further.
 
-use uavspec_dynamic::{ValueType, number};
+use uavspec_dynamic::ValueType;
 use uavspec_runtime::{Number, Scalar};
 use uavspec_schema::{Element, Restriction};
 
@@ -21,6 +21,50 @@ pub(super) enum Accepted {
     Floats(Scalar, f64, f64),
     /// All values need the full check.
     Unknown,
+}
+
+/// Values at fixed offsets of a payload, with the same check.
+#[derive(Debug)]
+pub(super) struct Block {
+    /// The offset of the first value.
+    pub(super) offset: usize,
+    pub(super) count: usize,
+    /// The distance from one value to the next.
+    pub(super) stride: usize,
+    /// The size of a value.
+    pub(super) width: usize,
+    pub(super) accepted: Accepted,
+}
+
+impl Block {
+    /// Joins bools that follow each other. Many messages consist of bools.
+    pub(super) fn merge(blocks: Vec<Self>) -> Vec<Self> {
+        let mut merged: Vec<Self> = Vec::new();
+        for block in blocks {
+            match (merged.last_mut(), &block.accepted) {
+                (Some(before @ Self { accepted: Accepted::Bool, .. }), Accepted::Bool)
+                    if before.offset + before.count == block.offset =>
+                {
+                    before.count += block.count;
+                }
+                _ => merged.push(block),
+            }
+        }
+        merged
+    }
+
+    /// True if the payload contains the values, and none of them produces findings.
+    #[inline]
+    pub(super) fn accepts(&self, payload: &[u8]) -> bool {
+        let Self { offset, count, stride, width, accepted } = self;
+        if let Accepted::Bool = accepted {
+            let bools = payload.get(*offset..offset + count);
+            return bools.is_some_and(|bools| bools.iter().fold(0, |all, byte| all | byte) < 2);
+        }
+        (0..*count)
+            .map(|index| offset + index * stride)
+            .all(|start| payload.get(start..start + width).is_some_and(|value| accepted.accepts(value)))
+    }
 }
 
 impl Accepted {
@@ -115,9 +159,13 @@ fn until_nul(text: &[u8]) -> &[u8] {
 }
 
 fn integer(scalar: Scalar, bytes: &[u8]) -> Option<i64> {
-    match number(scalar, bytes)? {
-        Number::Int(value) => i64::try_from(value).ok(),
-        Number::Float(_) => None,
+    match scalar {
+        Scalar::Int16 => Some(i16::from_le_bytes(bytes.try_into().ok()?).into()),
+        Scalar::UInt16 => Some(u16::from_le_bytes(bytes.try_into().ok()?).into()),
+        Scalar::Int32 => Some(i32::from_le_bytes(bytes.try_into().ok()?).into()),
+        Scalar::UInt32 => Some(u32::from_le_bytes(bytes.try_into().ok()?).into()),
+        Scalar::Int64 => Some(i64::from_le_bytes(bytes.try_into().ok()?)),
+        _ => None,
     }
 }
 
