@@ -1,38 +1,53 @@
 //! The definitions of releases, as facts without comments.
 //!
 //! ```
-//! use uavspec_definitions::releases::RELEASES;
+//! use uavspec_definitions::releases::releases;
 //!
-//! let release = RELEASES.iter().find(|release| release.name == "1.16").unwrap();
+//! let release = releases().find(|release| release.name() == "1.16").unwrap();
 //! assert!(release.text().contains("MSG: px4_msgs/msg/BatteryStatus\n"));
 //! ```
 
+use alloc::borrow::Cow;
 use alloc::string::String;
 use alloc::vec::Vec;
 use core::fmt::Write as _;
 
-use miniz_oxide::inflate::decompress_to_vec;
+use include_dir::{Dir, File, include_dir};
 
-/// The definitions of a release.
+static FOLDER: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/releases");
+
+/// The definitions of a release: a file in a folder for its family.
 #[derive(Clone, Copy, Debug)]
-pub struct Release {
-    /// The family: `px4` or `ros2`.
-    pub family: &'static str,
-    /// The name, such as `1.16` or `jazzy`.
-    pub name: &'static str,
-    packed: &'static [u8],
+pub struct Release(&'static File<'static>);
+
+/// All releases.
+pub fn releases() -> impl Iterator<Item = Release> {
+    FOLDER.dirs().flat_map(Dir::files).map(Release)
 }
 
 impl Release {
+    /// The family: `px4` or `ros2`.
+    pub fn family(self) -> &'static str {
+        self.0.path().parent().and_then(|folder| folder.to_str()).unwrap_or_default()
+    }
+
+    /// The name, such as `1.16` or `jazzy`.
+    pub fn name(self) -> &'static str {
+        self.0.path().file_stem().and_then(|name| name.to_str()).unwrap_or_default()
+    }
+
     /// The definitions. Each one follows a line of `=` characters, and a line with its name.
-    pub fn text(&self) -> String {
-        unpacked(self.packed)
+    pub fn text(self) -> &'static str {
+        self.0.contents_utf8().unwrap_or_default()
     }
 
     /// The definitions, with the constants that the firmware of the release uses. A constant from `errata.tsv`, which
     /// the definition states wrongly, has a comment with its source.
-    pub fn corrected_text(&self) -> String {
+    pub fn corrected_text(self) -> Cow<'static, str> {
         let errata: Vec<Erratum<'_>> = errata().filter(|erratum| self.has(erratum)).collect();
+        if errata.is_empty() {
+            return self.text().into();
+        }
         let mut message = "";
         let mut text = String::new();
         for line in self.text().lines() {
@@ -48,11 +63,11 @@ impl Release {
                 None => text.extend([line, "\n"]),
             }
         }
-        text
+        text.into()
     }
 
-    fn has(&self, erratum: &Erratum<'_>) -> bool {
-        self.family == "px4" && erratum.releases.split(' ').any(|release| release == self.name)
+    fn has(self, erratum: &Erratum<'_>) -> bool {
+        self.family() == "px4" && erratum.releases.split(' ').any(|release| release == self.name())
     }
 }
 
@@ -80,17 +95,8 @@ fn errata() -> impl Iterator<Item = Erratum<'static>> {
     })
 }
 
-include!(concat!(env!("OUT_DIR"), "/releases.rs"));
-
 /// The fingerprints of the definitions in all releases: a table with tabs between its columns, and a heading.
-pub fn fingerprints() -> String {
-    unpacked(FINGERPRINTS)
-}
-
-fn unpacked(packed: &[u8]) -> String {
-    // The build script compressed a text.
-    decompress_to_vec(packed).ok().and_then(|bytes| String::from_utf8(bytes).ok()).unwrap_or_default()
-}
+pub static FINGERPRINTS: &str = include_str!("releases/fingerprints.tsv");
 
 #[cfg(test)]
 mod tests {
@@ -100,14 +106,14 @@ mod tests {
     fn each_erratum_corrects_a_constant_of_its_releases() {
         for erratum in errata() {
             for name in erratum.releases.split(' ') {
-                let is_it = |release: &&Release| release.family == "px4" && release.name == name;
-                let release = RELEASES.iter().find(is_it).expect("a release");
+                let is_it = |release: &Release| release.family() == "px4" && release.name() == name;
+                let release = releases().find(is_it).expect("a release");
                 let count = |text: &str, constant: &str| {
                     let is_it = |line: &&str| line.split(' ').nth(1) == Some(constant);
                     text.lines().filter(is_it).count()
                 };
                 let (text, corrected) = (release.text(), release.corrected_text());
-                assert_eq!((count(&text, erratum.stated), count(&corrected, erratum.stated)), (1, 0));
+                assert_eq!((count(text, erratum.stated), count(&corrected, erratum.stated)), (1, 0));
                 assert_eq!(count(&corrected, erratum.right), usize::from(!erratum.right.is_empty()));
             }
         }

@@ -22,6 +22,7 @@ use super::layout::EMPTY_MEMBER;
 use super::model::{Element, Interface, Message, Package, Schema, Type, shape_text};
 use crate::msg::Kind;
 use crate::msg::ast::Shape;
+use crate::parallel::in_parts;
 
 /// The 32-bit FNV-1a hash.
 struct Fnv1a(u32);
@@ -258,6 +259,32 @@ fn describe_all(
         (ros_name(schema, message), described_fields(schema, message))
     };
     ids.into_iter().map(describe).collect()
+}
+
+/// Sets the hashes of all messages and services. `known` returns PX4's hash and the ROS type hash of a definition, given its
+/// package and its full ROS name. Unknown hashes are calculated.
+pub fn add_hashes(schema: &mut Schema, known: impl Fn(&Package, &str) -> Option<(u32, String)> + Sync) {
+    let ids: Vec<MessageId> = (0..).map(MessageId).take(schema.messages.len()).collect();
+    let hashes = |id: &MessageId| {
+        let message = schema.message(*id);
+        known(schema.package_of(message), &ros_name(schema, message))
+            .unwrap_or_else(|| (message_hash(schema, message), type_hash(schema, *id)))
+    };
+    let of_messages = in_parts(&ids, |ids| ids.iter().map(hashes).collect::<Vec<_>>());
+    let mut of_interfaces = Vec::new();
+    for (at, package) in schema.packages.iter().enumerate() {
+        of_interfaces.extend(package.interfaces.iter().map(|interface| {
+            let hashes = known(package, &interface_name(package, interface));
+            hashes.map(|(_, hash)| hash).or_else(|| service_hash(schema, interface, at))
+        }));
+    }
+    for (message, hashes) in schema.messages.iter_mut().zip(of_messages.into_iter().flatten()) {
+        (message.hash, message.type_hash) = hashes;
+    }
+    let interfaces = schema.packages.iter_mut().flat_map(|package| &mut package.interfaces);
+    for (interface, hash) in interfaces.zip(of_interfaces) {
+        interface.type_hash = hash;
+    }
 }
 
 /// The ROS type hash of a message.

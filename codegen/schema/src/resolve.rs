@@ -22,13 +22,14 @@ pub use self::package::PackageSource;
 use self::resolver::Resolver;
 use crate::Schema;
 use crate::diagnostic::{Diagnostic, has_errors};
+use crate::fingerprint::add_hashes;
 
 /// Resolves all packages together. The packages must be sorted by name. If the diagnostics contain an error, the schema
 /// is incomplete, and no output should be generated from it.
 pub fn resolve(packages: &[PackageSource<'_>]) -> (Schema, Vec<Diagnostic>) {
     let mut resolver = resolve_without_hashes(packages);
     if !has_errors(&resolver.diagnostics) {
-        resolver.fingerprints();
+        add_hashes(&mut resolver.schema, |_, _| None);
     }
     resolver.select();
     (resolver.schema, resolver.diagnostics)

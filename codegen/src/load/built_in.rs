@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use uavspec_definitions::releases::RELEASES;
+use uavspec_definitions::releases::releases;
 use uavspec_lint::release::{self, Entry, entries};
 use uavspec_schema::msg::Dialect;
 use uavspec_schema::read::PackageInput;
@@ -24,9 +24,9 @@ pub(crate) enum BuiltIn {
 /// The common interfaces of ROS 2.
 pub(super) fn ros_packages(which: BuiltIn, sources: &mut SourceMap) -> Vec<PackageInput> {
     let dialect = Dialect::Ros2;
-    let texts = RELEASES.iter().filter(|release| release.family == dialect.name());
+    let texts = releases().filter(|release| release.family() == dialect.name());
     let (newest, others): (Vec<_>, Vec<_>) =
-        texts.map(|release| (release.name, release.text())).partition(|(name, _)| *name == DISTRIBUTION);
+        texts.map(|release| (release.name(), release.text())).partition(|(name, _)| *name == DISTRIBUTION);
     let Some((_, text)) = newest.first() else { return Vec::new() };
     let folder = format!("{dialect}@{DISTRIBUTION}/");
     let mut packages = release::packages(text, dialect, &folder, sources);

@@ -54,6 +54,10 @@ pub(crate) const MAX_FORMATS: usize = 8_192;
 /// fifty times as much memory as their text, so a malicious log uses at most about 50 MB of memory.
 pub(crate) const MAX_FORMAT_TEXT: usize = 1 << 20;
 
+/// The maximum size of the formats that logs share, in bytes, and the maximum number of such formats.
+pub(crate) const MAX_SHARED_TEXT: usize = 1 << 17;
+pub(crate) const MAX_SHARED: usize = 8;
+
 /// The maximum total size of compiled formats, in bytes. A format counts each time it is compiled. The limit is
 /// sufficient for a log that writes each of PX4's 261 formats just before the first data of its topic. Because of the
 /// limit, a malicious log can cause at most two seconds of work.

@@ -80,7 +80,7 @@ mod problem;
 mod reader;
 mod resync;
 
-pub use self::log::{Log, Record, Subscription};
+pub use self::log::{Compiled, Log, Record, SharedFormats, Subscription};
 pub use self::log_problem::LogProblem;
 pub use self::message::Event;
 pub use self::problem::{Malformation, Problem, Resync};

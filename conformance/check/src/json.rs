@@ -36,7 +36,7 @@ pub(crate) const ROS: &str = "ros2msg";
 pub(super) const KIND: Kind = Kind {
     name: "JSON",
     detect: |start| !is_binary(&start[..start.len().min(MAX_START)]),
-    clues: clues::clues,
+    choose: |source, library| library.choose(&clues::clues(source)),
     check: |input, message_id, run| check_with(input, message_id, JsonChecker::new(message_id, run)),
 };
 

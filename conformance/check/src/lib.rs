@@ -90,8 +90,8 @@ struct Kind {
     name: &'static str,
     /// True if a capture of this kind can start with these bytes.
     detect: fn(&[u8]) -> bool,
-    /// Collects the facts that indicate the release of a capture. Reads only as much of the capture as necessary.
-    clues: fn(&mut Source<'_>) -> Clues,
+    /// Chooses the definitions of a capture. Reads only as much of the capture as necessary.
+    choose: fn(&mut Source<'_>, &Library) -> Arc<Definitions>,
     /// Checks the readable part of a capture of this kind.
     check: fn(Source<'_>, Option<MessageId>, CheckRun<'_>) -> CaptureResult,
 }
@@ -433,8 +433,8 @@ fn choose(
         return (library.choose(&Clues::default()), Vec::new());
     }
     let mut ahead = Ahead::new(bytes);
-    let clues = (kind.clues)(&mut Source { bytes: &mut ahead, file, copy: None });
-    (library.choose(&clues), ahead.bytes)
+    let definitions = (kind.choose)(&mut Source { bytes: &mut ahead, file, copy: None }, library);
+    (definitions, ahead.bytes)
 }
 
 /// Checks the readable part of a capture. Detects the kind, and calls `check` with the kind and the whole capture.

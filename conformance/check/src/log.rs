@@ -4,20 +4,17 @@ use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::Read;
-use std::rc::Rc;
+use std::sync::Arc;
 
 use serde::Serialize;
-use sha2::{Digest as _, Sha256};
 use uavspec_capture::input::UpToError;
 use uavspec_capture::ulog::{Event, Item, Log, LogProblem, Problem, Reader, Record};
 use uavspec_capture::{ENCRYPTED_MAGIC, ULOG_MAGIC};
 use uavspec_dynamic::{FormatProblem, MessageType};
-use uavspec_lint::release::LayoutHashes;
 use uavspec_model::text::{plural, shown, thousands};
 use uavspec_model::{Channel, Detail, Extent, Findings, Location, Message, Rule, SubjectName};
-use uavspec_px4::comparison::{Comparison, compare};
-use uavspec_px4::memory::{FieldCounts, Plan, shared_fields, time_offset};
-use uavspec_rules::definitions::{Clues, Definitions, FormatClue};
+use uavspec_px4::comparison::Comparison;
+use uavspec_rules::definitions::{Definitions, FormatPlan, Library};
 use uavspec_rules::px4;
 use uavspec_schema::MessageId;
 use uavspec_schema::limits::MAX_EVENTS_LEN;
@@ -30,10 +27,10 @@ use crate::limits::MAX_LOG_FIELDS;
 pub(super) const KIND: Kind = Kind {
     name: "ULog",
     detect: |start| has_magic(start, &ULOG_MAGIC),
-    clues: |source| match source.file.and_then(|path| File::open(path).ok()) {
+    choose: |source, library| match source.file.and_then(|path| File::open(path).ok()) {
         // Bytes that aren't read don't have to be kept for the check.
-        Some(file) => clues(file),
-        None => clues(&mut *source.bytes),
+        Some(file) => choose(file, library),
+        None => choose(&mut *source.bytes, library),
     },
     check: |input, _, run| check_log(input, run),
 };
@@ -42,7 +39,7 @@ pub(super) const KIND: Kind = Kind {
 pub(super) const ENCRYPTED: Kind = Kind {
     name: "ULog",
     detect: |start| start.starts_with(&ENCRYPTED_MAGIC),
-    clues: |_| Clues::default(),
+    choose: |_, library| Arc::clone(library.base()),
     check: |_, _, _| CaptureResult::unknown(ENCRYPTED_TEXT),
 };
 
@@ -129,28 +126,20 @@ impl Describe for LogSummary {
     }
 }
 
-/// Reads the formats and the version of a log up to its first data.
-fn clues(input: impl Read) -> Clues {
-    let (mut reader, mut clues) = (Reader::new(input), Clues::default());
-    let mut log = Log::default();
+/// Chooses the definitions for a log from its content before the first data.
+fn choose(input: impl Read, library: &Library) -> Arc<Definitions> {
+    let (mut reader, mut log, mut version) = (Reader::new(input), library.log(), None);
     while let Ok(Some(item)) = reader.next() {
         match item.event {
             Event::Data { .. } => break,
             Event::Information { key: "ver_sw_release", value: [_, _, minor, major], .. } => {
-                clues.version = Some((*major, *minor));
+                version = Some((*major, *minor));
             }
             _ => {}
         }
         log.take(&item, &mut |_, _| {});
     }
-    let topics: BTreeSet<&str> = log.subscriptions().map(|subscription| &*subscription.topic).collect();
-    // A log that ends early may have no subscriptions.
-    let is_topic = |name: &str| topics.is_empty() || topics.contains(name);
-    let mut layouts = LayoutHashes::default();
-    let formats = log.types().iter().filter(|format| is_topic(format.name()));
-    let formats = formats.filter_map(|format| Some((format.name().to_owned(), layouts.get(format)?)));
-    clues.formats = formats.map(|(name, layout)| (name, FormatClue::Layout(layout))).collect();
-    clues
+    library.choose_for_log(&log, version)
 }
 
 /// Checks the readable part of a PX4 log.
@@ -162,7 +151,7 @@ fn check_log(input: impl Read, run: CheckRun<'_>) -> CaptureResult {
     let mut checker = LogChecker::new(run);
     let mut input = UpToError::new(input);
     let mut reader = Reader::new(&mut input);
-    let mut log = Log::default();
+    let mut log = Log::sharing(&checker.run.definitions.shared.formats);
     while let Ok(Some(item)) = reader.next() {
         if let Event::Data { id, .. } = item.event {
             checker.data(id, &item, &mut log);
@@ -221,48 +210,12 @@ impl Metadata {
         }
     }
 
-    /// The event metadata in all pieces. Fails if the pieces can't be trusted.
-    fn checked(&self) -> Result<&[u8], String> {
+    /// The event metadata in all pieces. Fails if it is too long.
+    fn bytes(&self) -> Result<&[u8], String> {
         if self.bytes.len() > MAX_EVENTS_LEN {
             return Err(format!("it is longer than {} bytes", thousands(MAX_EVENTS_LEN)));
         }
-        if let Some(stated) = &self.digest {
-            let found: String =
-                Sha256::digest(&self.bytes).iter().map(|byte| format!("{byte:02x}")).collect();
-            if !stated.eq_ignore_ascii_case(found.as_bytes()) {
-                let stated = String::from_utf8_lossy(stated);
-                return Err(format!(
-                    "its SHA-256 hash is {found}, but the hash in the log is {}",
-                    shown(&stated)
-                ));
-            }
-        }
         Ok(&self.bytes)
-    }
-}
-
-/// The check of the messages with a format.
-struct FormatPlan {
-    /// The checks of the values. `None` if there are too many fields.
-    values: Option<Plan>,
-    /// The share of the fields that are checked, because both the format and the definition contain them.
-    fields: Share,
-    /// The offset of `timestamp` in the payload.
-    timestamp: Option<usize>,
-    /// The offset of `time_utc_usec` in the payload. This field contains the time of a satellite navigation receiver.
-    utc: Option<usize>,
-}
-
-impl FormatPlan {
-    /// Compiles the plan for a format and its definition, with or without the checks of the values.
-    fn new(format: MessageType<'_>, defined: Option<MessageType<'_>>, has_values: bool) -> Self {
-        let (shared, all) = shared_fields(format, defined);
-        Self {
-            values: has_values.then(|| Plan::new(format, defined, &px4::VALUES)),
-            fields: Share::of(if has_values { shared } else { 0 }, all),
-            timestamp: time_offset(format, "timestamp"),
-            utc: time_offset(format, "time_utc_usec"),
-        }
     }
 }
 
@@ -274,23 +227,31 @@ struct Open {
     offset: u64,
     definition: Option<MessageId>,
     /// Set when the first message arrives.
-    plan: Option<Rc<FormatPlan>>,
+    format: Option<TopicFormat>,
     tally: Tally,
     /// The number of records whose values have no meaning, because the topic was never published.
     unpublished: u64,
+}
+
+/// The format of a topic with data. All instances of the topic share it.
+#[derive(Clone)]
+struct TopicFormat {
+    /// The offset of the subscription.
+    offset: u64,
+    plan: Arc<FormatPlan>,
+    /// True if the values are checked. False if there are too many fields.
+    has_values: bool,
 }
 
 struct LogChecker<'d> {
     run: CheckRun<'d>,
     /// The topics by message id.
     open: Vec<Option<Box<Open>>>,
-    /// The plans of the topics with data, which all instances of a topic share.
-    plans: BTreeMap<String, Rc<FormatPlan>>,
-    /// The number of additional fields for which there is room in the plans.
+    /// The formats of the topics with data. A log may declare a format again after its data, so these are the formats that
+    /// were valid when the data was read.
+    formats: BTreeMap<String, TopicFormat>,
+    /// The number of additional fields whose values can be checked.
     room: usize,
-    /// The topics with data: the offset of the subscription, and the result of comparing the format. A log may declare
-    /// a format again after its data, so the result applies to the format that was valid when the data was read.
-    compared: BTreeMap<String, (u64, Comparison)>,
     /// The topics whose subscription has ended.
     parts: Parts,
     /// The topics that have instances other than the first.
@@ -312,9 +273,8 @@ impl<'d> LogChecker<'d> {
         Self {
             run,
             open: Vec::new(),
-            plans: BTreeMap::new(),
+            formats: BTreeMap::new(),
             room: MAX_LOG_FIELDS,
-            compared: BTreeMap::new(),
             parts: Parts::default(),
             several: BTreeSet::new(),
             firmware: None,
@@ -376,7 +336,7 @@ impl<'d> LogChecker<'d> {
     fn read_metadata(&mut self) {
         let Some(metadata) = self.metadata.take() else { return };
         let Some(place) = metadata.place else { return };
-        let problem = self.run.read_metadata(metadata.checked());
+        let problem = self.run.read_metadata(metadata.bytes(), metadata.digest.as_deref());
         match problem {
             // After a corrupt part, a piece may be missing.
             Some(text) if self.run.extent != Extent::Whole => self.run.note(&text),
@@ -424,7 +384,7 @@ impl<'d> LogChecker<'d> {
             multi_id,
             offset,
             definition: self.run.definitions.message_of_logged_topic(topic),
-            plan: None,
+            format: None,
             tally: Tally::default(),
             unpublished: 0,
         };
@@ -447,24 +407,21 @@ impl<'d> LogChecker<'d> {
         let Some(Some(open)) = self.open.get_mut(usize::from(record.subscription.id)) else { return };
         let location = Location::Byte(offset);
         let subject = SubjectName { name: &open.topic, instance: Some(open.multi_id) };
-        let plan = match &mut open.plan {
-            Some(plan) => plan,
+        let format = match &mut open.format {
+            Some(format) => format,
             empty => {
-                let (definitions, format) = (self.run.definitions, record.message_type);
-                let plan = self.plans.entry(open.topic.clone()).or_insert_with(|| {
-                    check_timestamp(format, location, &mut self.run);
-                    let compared = (open.offset, comparison(format, definitions));
-                    self.compared.insert(open.topic.clone(), compared);
-                    // Once a topic doesn't fit, the fields of later topics aren't counted.
-                    let count = || FieldCounts::default().of(format);
-                    let rest = (self.room > 0).then(|| self.room.checked_sub(count())).flatten();
+                let format = self.formats.entry(open.topic.clone()).or_insert_with(|| {
+                    let plan = self.run.definitions.plan(record.message_type, record.compiled);
+                    check_timestamp(record.message_type, &plan, location, &mut self.run);
+                    // Once a topic doesn't fit, the values of later topics aren't checked.
+                    let rest = self.room.checked_sub(plan.all_fields.max(1));
                     self.room = rest.unwrap_or(0);
-                    let defined = open.definition.map(|id| definitions.types().get(id));
-                    Rc::new(FormatPlan::new(format, defined, rest.is_some()))
+                    TopicFormat { offset: open.offset, plan, has_values: rest.is_some() }
                 });
-                empty.insert(Rc::clone(plan))
+                empty.insert(format.clone())
             }
         };
+        let plan = &format.plan;
         let time_at = |offset: Option<usize>| {
             let bytes = offset.and_then(|at| record.payload.get(at..at + 8))?;
             Some(u64::from_le_bytes(bytes.try_into().ok()?))
@@ -472,14 +429,15 @@ impl<'d> LogChecker<'d> {
         let timestamp = time_at(plan.timestamp);
         // Older PX4 releases log topics that were never published. Their memory is empty, so no value has a meaning.
         let is_published = timestamp != Some(0) || record.payload.iter().any(|byte| *byte != 0);
-        if let Some(values) = plan.values.as_ref().filter(|_| is_published) {
+        if format.has_values && is_published {
+            let values = plan.values(record.message_type, self.run.definitions);
             values.check(record.payload, subject, location, &mut self.run.findings);
         }
         self.latest = Some(location);
         if let Some((timestamp, utc)) = timestamp.zip(time_at(plan.utc)) {
             self.run.clock.set_utc(timestamp, utc);
         }
-        open.tally.count(open.definition.is_some() && plan.values.is_some(), self.run.logged(timestamp));
+        open.tally.count(open.definition.is_some() && format.has_values, self.run.logged(timestamp));
         open.unpublished += u64::from(!is_published);
         let wants_values = self.run.wants_values(open.index);
         let values = wants_values.then(|| record.message_type.view_uorb(record.payload).ok()).flatten();
@@ -554,20 +512,22 @@ impl<'d> LogChecker<'d> {
             self.run.findings.cover(rule, self.run.records);
         }
         self.run.findings.hide_only_instances(|topic| !self.several.contains(topic));
-        let formats = formats(log, self.compared, &mut self.run);
+        let formats = formats(log, self.formats, &mut self.run);
         // Records without a definition, or in a different format, aren't fully checked.
-        for (topic, comparison) in &formats {
-            self.parts.add_result(topic, comparison.into());
+        for (topic, format) in &formats {
+            self.parts.add_result(topic, (&format.plan.comparison).into());
         }
         let definitions = self.run.definitions;
-        let topics = formats.iter().map(|(topic, comparison)| ComparedTopic {
+        let topics = formats.iter().map(|(topic, format)| ComparedTopic {
             topic,
             definition: definitions.message_of_logged_topic(topic),
-            is_equal: *comparison == Comparison::Equal,
+            is_equal: format.plan.comparison == Comparison::Equal,
         });
         let releases = release_matches(definitions, &topics);
-        let formats =
-            formats.into_iter().map(|(topic, comparison)| Format::new(topic, &comparison)).collect();
+        let formats = formats
+            .iter()
+            .map(|(topic, format)| Format::new(topic.clone(), &format.plan.comparison))
+            .collect();
         let summary = LogSummary { firmware: self.firmware, dropouts: self.dropouts, releases, formats };
         self.run.finish(bytes, Summary::Log(summary), Unit::Topic, self.parts)
     }
@@ -603,16 +563,18 @@ impl Open {
     }
 
     fn close(self, findings: &mut Findings, parts: &mut Parts) {
-        let Self { tally, plan, unpublished, .. } = self;
-        let mut result = PartResult::Checked;
-        match plan.as_ref().map(|plan| &plan.values) {
-            Some(Some(values)) => values.count(tally.decoded - unpublished, findings),
-            Some(None) => result = PartResult::TooMany,
-            None => {}
+        let Self { topic, tally, format, unpublished, .. } = self;
+        let (mut result, mut fields) = (PartResult::Checked, Share::default());
+        if let Some(TopicFormat { plan, has_values, .. }) = format {
+            let (shared, all) = plan.fields;
+            fields = Share::of(if has_values { shared } else { 0 }, all);
+            if has_values {
+                plan.count(tally.decoded - unpublished, findings);
+            } else {
+                result = PartResult::TooMany;
+            }
         }
-        let fields = plan.map_or_else(Share::default, |plan| plan.fields);
-        let values = fields.times(tally.checked, tally.records);
-        parts.add(&self.topic, result, tally, values);
+        parts.add(&topic, result, tally, fields.times(tally.checked, tally.records));
     }
 }
 
@@ -622,9 +584,9 @@ fn known(open: &[Option<Box<Open>>], id: u16) -> Option<&Open> {
 }
 
 /// Checks that messages of a format have a timestamp.
-fn check_timestamp(format: MessageType<'_>, location: Location, run: &mut CheckRun<'_>) {
+fn check_timestamp(format: MessageType<'_>, plan: &FormatPlan, location: Location, run: &mut CheckRun<'_>) {
     run.findings.cover(&px4::FMT_03.rule, 1);
-    if time_offset(format, "timestamp").is_none() {
+    if plan.timestamp.is_none() {
         let definition = run.definition_of(format.name());
         run.findings.report(&px4::FMT_03.rule, format.name(), location, definition, || {
             Detail::new("the format has no `uint64_t timestamp` field")
@@ -634,20 +596,13 @@ fn check_timestamp(format: MessageType<'_>, location: Location, run: &mut CheckR
     }
 }
 
-/// Compares a format with the definition of its topic.
-fn comparison(format: MessageType<'_>, definitions: &Definitions) -> Comparison {
-    let id = definitions.message_of_logged_topic(format.name());
-    id.map_or(Comparison::Undefined, |id| compare(format, definitions.types().get(id)))
-}
-
-/// Reports the formats that differ from the definitions, and returns all comparisons. `compared` contains the topics
+/// Reports the formats that differ from the definitions, and returns all formats of topics. `formats` contains the topics
 /// with data. The formats of the other subscribed topics are compared here, and checked for a timestamp.
 fn formats(
     log: &Log,
-    mut compared: BTreeMap<String, (u64, Comparison)>,
+    mut formats: BTreeMap<String, TopicFormat>,
     run: &mut CheckRun<'_>,
-) -> Vec<(String, Comparison)> {
-    let definitions = run.definitions;
+) -> BTreeMap<String, TopicFormat> {
     let mut opened: BTreeMap<&str, u64> = BTreeMap::new();
     for subscription in log.subscriptions() {
         opened.entry(&subscription.topic).or_insert(subscription.offset);
@@ -663,21 +618,22 @@ fn formats(
             continue;
         }
         let Some(offset) = opened.get(format.name()).copied() else { continue };
-        if let Entry::Vacant(new) = compared.entry(format.name().to_owned()) {
-            check_timestamp(format, Location::Byte(offset), run);
-            new.insert((offset, comparison(format, definitions)));
+        if let Entry::Vacant(new) = formats.entry(format.name().to_owned()) {
+            let plan = run.definitions.plan(format, log.compiled());
+            check_timestamp(format, &plan, Location::Byte(offset), run);
+            new.insert(TopicFormat { offset, plan, has_values: false });
         }
     }
-    for (topic, (offset, comparison)) in &compared {
-        if *comparison != Comparison::Undefined {
+    for (topic, TopicFormat { offset, plan, .. }) in &formats {
+        if plan.comparison != Comparison::Undefined {
             run.findings.cover(&px4::FMT_01.rule, 1);
         }
-        if let Comparison::Differs(differences) = comparison {
+        if let Comparison::Differs(differences) = &plan.comparison {
             // The location doesn't depend on which instance has data first.
             let location = Location::Byte(*opened.get(topic.as_str()).unwrap_or(offset));
             let definition = run.definition_of(topic);
             run.findings.report(&px4::FMT_01.rule, topic, location, definition, || differences.detail());
         }
     }
-    compared.into_iter().map(|(topic, (_, comparison))| (topic, comparison)).collect()
+    formats
 }

@@ -12,7 +12,7 @@ use uavspec_model::json::Tree;
 use uavspec_model::text::{shown, thousands};
 use uavspec_model::{ApplicationType, Channel, Endpoint, Extent, Findings, Location, Message, Rule};
 use uavspec_px4::event::EventMetadata;
-use uavspec_rules::definitions::{Captured, Definitions};
+use uavspec_rules::definitions::Definitions;
 use uavspec_rules::px4::Interest;
 use uavspec_rules::{RuleContext, flockwave, px4};
 use uavspec_schema::source::Span;
@@ -159,12 +159,26 @@ impl<'d> CheckRun<'d> {
         self.channels.len() - 1
     }
 
-    /// Uses the event metadata of the capture, if it is valid. Returns the problem with the metadata, if any.
-    pub(super) fn read_metadata(&mut self, bytes: Result<&[u8], String>) -> Option<String> {
-        let read =
-            bytes.and_then(|bytes| self.definitions.read_events(bytes).map_err(|error| error.to_string()));
+    /// Uses the event metadata of the capture, if it is valid. Returns the problem with the metadata, if any. `stated` is the
+    /// SHA-256 hash in the capture, in hexadecimal digits.
+    pub(super) fn read_metadata(
+        &mut self,
+        bytes: Result<&[u8], String>,
+        stated: Option<&[u8]>,
+    ) -> Option<String> {
+        let read = bytes.and_then(|bytes| {
+            let events = self.definitions.read_events(bytes);
+            match stated.filter(|stated| !stated.eq_ignore_ascii_case(events.sha256.as_bytes())) {
+                Some(stated) => Err(format!(
+                    "its SHA-256 hash is {}, but the hash in the log is {}",
+                    events.sha256,
+                    shown(&String::from_utf8_lossy(stated))
+                )),
+                None => events.read.clone(),
+            }
+        });
         match read {
-            Ok(Captured { metadata, mistake, .. }) => {
+            Ok((metadata, mistake)) => {
                 self.events = metadata;
                 if let Some(observer) = &mut self.observer {
                     observer.metadata(&self.events);

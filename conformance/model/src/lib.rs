@@ -22,6 +22,7 @@ mod endpoint;
 mod excuse;
 mod finding;
 mod reason;
+mod recent;
 mod record;
 mod rule;
 mod subject;
@@ -32,6 +33,7 @@ pub use self::endpoint::{Durability, Endpoint, EndpointKind, History, Liveliness
 pub use self::excuse::{Excuse, ExcuseKind};
 pub use self::finding::{Counted, Findings, Group, MAX_EXAMPLES, Verdict};
 pub use self::reason::Reason;
+pub use self::recent::Recent;
 pub use self::record::{Channel, Extent, Location, Message};
 pub use self::rule::{DISPUTED, Level, Rule, Status};
 pub use self::subject::SubjectName;

@@ -13,18 +13,19 @@ mod choice;
 mod index;
 mod library;
 mod released;
+mod shared;
 
 use std::collections::{BTreeSet, HashMap};
 use std::fmt;
-use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, OnceLock};
 
 use uavspec_codegen::load::{self, read_definitions_for_captures};
 use uavspec_definitions::{Dir, FLOCKWAVE, I18N, PX4, PX4_EVENTS};
 use uavspec_dynamic::Types;
 use uavspec_flockwave::body_schema::{BodySchemas, DefinedSchemas, SchemaError, Schemas};
 use uavspec_lint::release;
+use uavspec_model::Recent;
 use uavspec_model::text::terminal;
 pub use uavspec_px4::event::EventMetadata;
 use uavspec_schema::fingerprint::{ros_name, service_hash_of_event};
@@ -38,6 +39,9 @@ use self::index::Index;
 pub use self::index::{Family, ReleaseId, Row, newest_ros2, read_schema};
 pub use self::library::{Library, ros_package};
 pub(crate) use self::released::{ReleasedType, released_type};
+use self::shared::FormatPlans;
+pub use self::shared::{CapturedEvents, FormatPlan, Shared};
+use crate::limits::MAX_PLANS;
 
 /// The prefix of the line that states the version of a message in a release.
 const VERSION: &str = "uint32 MESSAGE_VERSION=";
@@ -76,18 +80,9 @@ pub struct Definitions {
     schemas: Arc<Schemas>,
     /// The event metadata for captures that don't contain their own.
     pub events: Arc<EventMetadata>,
-    /// The latest event metadata from a capture. Most captures in an archive contain the metadata of the same firmware.
-    captured: Mutex<Option<Captured>>,
-}
-
-/// The event metadata in a capture.
-#[derive(Clone, Debug)]
-pub struct Captured {
-    bytes: Arc<[u8]>,
-    /// The metadata.
-    pub metadata: Arc<EventMetadata>,
-    /// The first reason why not all events can be decoded.
-    pub mistake: Option<String>,
+    /// What captures share, even if they are checked against different definitions.
+    pub shared: Arc<Shared>,
+    plans: Recent<FormatPlans, MAX_PLANS>,
 }
 
 /// A release that definitions were read from.
@@ -191,19 +186,9 @@ impl Definitions {
             defined_schemas: OnceLock::new(),
             schemas: Arc::default(),
             events: built_in_events(),
-            captured: Mutex::default(),
+            shared: Arc::default(),
+            plans: Recent::default(),
         }
-    }
-
-    /// Reads the event metadata in a capture. Fails if no event can be decoded.
-    pub fn read_events(&self, bytes: &[u8]) -> io::Result<Captured> {
-        let mut latest = self.captured.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(known) = latest.as_ref().filter(|known| *known.bytes == *bytes) {
-            return Ok(known.clone());
-        }
-        let (metadata, mistake) = EventMetadata::of_capture(bytes)?;
-        let (metadata, mistake) = (Arc::new(metadata), mistake.map(|mistake| mistake.to_string()));
-        Ok(latest.insert(Captured { bytes: bytes.into(), metadata, mistake }).clone())
     }
 
     /// Replaces messages with the messages that have the same ROS names in these packages.

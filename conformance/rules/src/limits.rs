@@ -52,3 +52,11 @@ pub(crate) const MAX_ITEMS: usize = 10_000;
 /// The maximum number of loaded definitions that stay in memory. Each contains releases, and messages of other
 /// releases.
 pub(crate) const MAX_STORED: usize = 8;
+
+/// The maximum number of logs' formats for which definitions keep plans, and the maximum number of fields of a plan that is
+/// kept.
+pub(crate) const MAX_PLANS: usize = 2;
+pub(crate) const MAX_SHARED_FIELDS: usize = 1 << 10;
+
+/// The maximum number of captured event metadata that stay in memory.
+pub(crate) const MAX_SHARED_EVENTS: usize = 8;

@@ -1,11 +1,10 @@
-//! Computes layouts, sizes and hashes, and checks their limits.
+//! Computes layouts and sizes, and checks their limits.
 
-use super::resolver::{Resolver, id};
+use super::resolver::Resolver;
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::limits::{MAX_MESSAGE_SIZE, MAX_NESTED_FIELDS, MAX_NESTED_FIELDS_IN_ALL, MAX_NESTING};
 use crate::msg::ast;
-use crate::parallel::in_parts;
-use crate::{Element, MessageId, fingerprint, layout};
+use crate::{Element, MessageId, layout};
 
 impl Resolver<'_> {
     /// Computes layouts and sizes, and checks their limits.
@@ -80,27 +79,5 @@ impl Resolver<'_> {
         let span = largest.map_or(message.span.part(0..0), |field| field.span);
         self.report(Diagnostic::new(problem, span));
         false
-    }
-
-    pub(super) fn fingerprints(&mut self) {
-        let schema = &self.schema;
-        let ids: Vec<MessageId> = (0..schema.messages.len()).map(id).collect();
-        let hashes = |id: &MessageId| {
-            (fingerprint::message_hash(schema, schema.message(*id)), fingerprint::type_hash(schema, *id))
-        };
-        let hashes = in_parts(&ids, |ids| ids.iter().map(hashes).collect::<Vec<_>>());
-        for (message, hashes) in self.schema.messages.iter_mut().zip(hashes.into_iter().flatten()) {
-            (message.hash, message.type_hash) = hashes;
-        }
-        for package in 0..self.schema.packages.len() {
-            let hashes: Vec<Option<String>> = self.schema.packages[package]
-                .interfaces
-                .iter()
-                .map(|interface| fingerprint::service_hash(&self.schema, interface, package))
-                .collect();
-            for (interface, hash) in self.schema.packages[package].interfaces.iter_mut().zip(hashes) {
-                interface.type_hash = hash;
-            }
-        }
     }
 }

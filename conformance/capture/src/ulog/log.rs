@@ -1,28 +1,43 @@
 //! Tracks the formats and subscriptions of a log, since data messages depend on them.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use uavspec_dynamic::{FormatError, FormatProblem, MessageType, Types};
+use uavspec_model::Recent;
 use uavspec_runtime::layout::Size;
 use uavspec_schema::MessageId;
 
 use super::log_problem::LogProblem;
 use super::message::Event;
 use super::reader::Item;
-use crate::limits::{MAX_COMPILED, MAX_FORMAT_TEXT, MAX_FORMATS};
+use crate::limits::{MAX_COMPILED, MAX_FORMAT_TEXT, MAX_FORMATS, MAX_SHARED, MAX_SHARED_TEXT};
+
+/// The compiled formats of a log.
+#[derive(Debug, Default)]
+pub struct Compiled {
+    /// The names and fields.
+    texts: Vec<(Box<str>, Box<str>)>,
+    /// The types, in [`ULOG_PACKAGE`](uavspec_dynamic::ULOG_PACKAGE).
+    pub types: Types,
+    errors: Vec<FormatError>,
+}
+
+/// The formats that logs share, because most logs of an archive come from the same firmware.
+pub type SharedFormats = Recent<Compiled, MAX_SHARED>;
 
 /// The formats and subscriptions of a log, up to the current item.
 #[derive(Debug, Default)]
 pub struct Log {
+    shared: Arc<SharedFormats>,
     /// The formats in order of appearance. The index of a format is the id of its type.
     formats: Vec<Format>,
     by_name: BTreeMap<Box<str>, usize>,
-    /// The compiled formats.
-    types: Types,
+    compiled: Arc<Compiled>,
     /// The number of formats that have types.
     known: usize,
     /// The total size of compiled formats, in bytes.
-    compiled: usize,
+    compiled_text: usize,
     /// The total size of formats and topics, in bytes.
     text: usize,
     /// The subscriptions by id; `None` if the id was never subscribed.
@@ -94,6 +109,8 @@ pub struct Record<'l> {
     pub subscription: &'l Subscription,
     /// The type.
     pub message_type: MessageType<'l>,
+    /// The formats that contain the type.
+    pub compiled: &'l Arc<Compiled>,
     /// The message in memory layout. The padding at the end of the message may be missing.
     pub payload: &'l [u8],
 }
@@ -101,7 +118,19 @@ pub struct Record<'l> {
 /// Receives problems and their offsets.
 type OnProblem<'t> = &'t mut dyn FnMut(u64, LogProblem);
 
+impl Compiled {
+    fn new<'f>(formats: impl Iterator<Item = (&'f str, &'f str)> + Clone) -> Self {
+        let (types, errors) = Types::from_ulog_formats(formats.clone());
+        Self { texts: formats.map(|(name, fields)| (name.into(), fields.into())).collect(), types, errors }
+    }
+}
+
 impl Log {
+    /// Creates a log that shares its formats with other logs.
+    pub fn sharing(shared: &Arc<SharedFormats>) -> Self {
+        Self { shared: Arc::clone(shared), ..Self::default() }
+    }
+
     /// Processes the next item of a reader, and calls `on_problem` with each problem and its offset. Returns a record
     /// if the item is valid data.
     #[inline]
@@ -125,15 +154,21 @@ impl Log {
 
     /// The types of the formats that data has used so far, in [`ULOG_PACKAGE`](uavspec_dynamic::ULOG_PACKAGE).
     pub fn types(&self) -> &Types {
-        &self.types
+        &self.compiled.types
+    }
+
+    /// The formats that data has used so far, with their types.
+    pub fn compiled(&self) -> &Arc<Compiled> {
+        &self.compiled
     }
 
     /// The names and fields of the formats, in order of appearance.
-    pub fn formats(&self) -> impl ExactSizeIterator<Item = (&str, &str)> {
+    pub fn formats(&self) -> impl ExactSizeIterator<Item = (&str, &str)> + Clone {
         self.formats.iter().map(|format| (&*format.name, &*format.fields))
     }
 
     /// The current subscription of an id.
+    #[inline]
     pub fn subscription(&self, id: u16) -> Option<&Subscription> {
         self.subscriptions.get(usize::from(id))?.as_deref()
     }
@@ -151,26 +186,26 @@ impl Log {
         payload: &'l [u8],
         on_problem: OnProblem<'_>,
     ) -> Option<Record<'l>> {
-        if self.type_of(id).is_none() {
+        if self.bound(id).is_none() {
             self.bind(offset, id, on_problem);
         }
-        let (type_id, size) = self.type_of(id)?;
+        let (subscription, type_id, size) = self.bound(id)?;
         let found = payload.len();
         if found != size.padded && found != size.no_padding {
             let Size { padded, no_padding } = size;
             on_problem(offset, LogProblem::DataSize { id, padded, no_padding, found });
             return None;
         }
-        let subscription = self.subscription(id)?;
-        Some(Record { subscription, message_type: self.types.get(type_id), payload })
+        let message_type = self.compiled.types.get(type_id);
+        Some(Record { subscription, message_type, compiled: &self.compiled, payload })
     }
 
-    /// The type of an id's data, if the id is subscribed and has a type.
+    /// The subscription of an id with the type of its data, if the id is subscribed and has a type.
     #[inline]
-    fn type_of(&self, id: u16) -> Option<(MessageId, Size)> {
+    fn bound(&self, id: u16) -> Option<(&Subscription, MessageId, Size)> {
         let subscription = self.subscription(id).filter(|subscription| subscription.is_active)?;
         match subscription.binding {
-            Binding::Type { id, size } => Some((id, size)),
+            Binding::Type { id, size } => Some((subscription, id, size)),
             Binding::None { .. } => None,
         }
     }
@@ -221,7 +256,7 @@ impl Log {
 
     fn usable(&self, index: usize) -> Option<(MessageId, Size)> {
         let id = MessageId(u32::try_from(index).ok().filter(|_| index < self.known)?);
-        Some((id, self.types.get(id).size()?))
+        Some((id, self.types().get(id).size()?))
     }
 
     fn learn(&mut self, item: &Item<'_>, on_problem: OnProblem<'_>) {
@@ -334,22 +369,29 @@ impl Log {
     fn compile(&mut self, on_problem: OnProblem<'_>) {
         let Some(newest) = self.formats.last().filter(|_| self.known < self.formats.len()) else { return };
         let size: usize = self.formats.iter().map(|format| format.name.len() + format.fields.len()).sum();
-        if self.compiled + size > MAX_COMPILED {
+        if self.compiled_text + size > MAX_COMPILED {
             if !self.is_limit_reported {
                 on_problem(newest.offset, LogProblem::TooManyLateFormats);
             }
             self.is_limit_reported = true;
             return;
         }
-        self.compiled += size;
+        self.compiled_text += size;
         self.known = self.formats.len();
-        let (types, errors) = Types::from_ulog_formats(self.formats());
-        self.types = types;
-        for FormatError { index, name, problem } in errors {
-            let format = &mut self.formats[index];
-            if format.reported.as_ref() != Some(&problem) {
+        let make = || Compiled::new(self.formats());
+        let is_same = |known: &Compiled| {
+            known.texts.iter().map(|(name, fields)| (&**name, &**fields)).eq(self.formats())
+        };
+        self.compiled =
+            if size > MAX_SHARED_TEXT { Arc::new(make()) } else { self.shared.get(is_same, make) };
+        for FormatError { index, name, problem } in &self.compiled.errors {
+            let format = &mut self.formats[*index];
+            if format.reported.as_ref() != Some(problem) {
                 format.reported = Some(problem.clone());
-                on_problem(format.offset, LogProblem::Format { name, problem });
+                on_problem(
+                    format.offset,
+                    LogProblem::Format { name: name.clone(), problem: problem.clone() },
+                );
             }
         }
     }

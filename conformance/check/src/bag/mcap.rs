@@ -21,7 +21,7 @@ use crate::{CaptureResult, CheckRun, Kind, Logged, Observer, Summary, has_magic}
 pub(crate) const KIND: Kind = Kind {
     name: "MCAP",
     detect: |start| has_magic(start, &MCAP_MAGIC),
-    clues: super::clues::mcap,
+    choose: |source, library| library.choose(&super::clues::mcap(source)),
     check: |source, _, run| check(source, run),
 };
 
@@ -280,7 +280,7 @@ impl<'c> McapFile<'c> {
                 format!("the attachment is truncated, or longer than {most} bytes: {length} bytes")
             })
         };
-        let problem = bag.run.read_metadata(read);
+        let problem = bag.run.read_metadata(read, None);
         self.metadata = None;
         if let Some(problem) = problem {
             bag.run.note(&problem);

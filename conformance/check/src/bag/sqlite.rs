@@ -5,11 +5,11 @@ mod reading;
 use std::fs;
 use std::io::{self, Read};
 use std::path::Path;
+use std::sync::Arc;
 
 use tempfile::{NamedTempFile, env};
 use uavspec_capture::rosbag::{CONVERT_ROS1, ROS1_MAGIC, SQLITE_MAGIC};
 use uavspec_model::{Extent, Location};
-use uavspec_rules::definitions::Clues;
 use uavspec_schema::stage::Stage;
 
 use super::{BagContent, BagFile, BagSummary, Channels};
@@ -19,7 +19,7 @@ use crate::{CaptureResult, CheckRun, Kind, Source, Summary, has_magic};
 pub(crate) const SQLITE: Kind = Kind {
     name: "rosbag2",
     detect: |start| has_magic(start, &SQLITE_MAGIC),
-    clues: super::clues::sqlite,
+    choose: |source, library| library.choose(&super::clues::sqlite(source)),
     check: |source, _, run| check_sqlite(source, run),
 };
 
@@ -27,7 +27,7 @@ pub(crate) const SQLITE: Kind = Kind {
 pub(crate) const ROS1: Kind = Kind {
     name: "rosbag2",
     detect: |start| has_magic(start, &ROS1_MAGIC),
-    clues: |_| Clues::default(),
+    choose: |_, library| Arc::clone(library.base()),
     check: |_, _, _| CaptureResult::unknown(CONVERT_ROS1),
 };
 

@@ -72,11 +72,8 @@ impl<'l> Catalogue<'l> {
     }
 
     /// The text of a release.
-    pub(super) fn text(&self, release: ReleaseId) -> &str {
-        let name = self.library.index().release(release).name;
-        let texts = self.texts(self.family(release)).iter();
-        let mut texts = texts.filter(|text| text.name == name);
-        texts.next().map_or("", |text| &text.text)
+    pub(super) fn text(&self, release: ReleaseId) -> &'static str {
+        self.library.index().release(release).text()
     }
 
     /// The texts of a family's releases, from the oldest to the newest.
@@ -89,7 +86,10 @@ impl<'l> Catalogue<'l> {
             let index = self.library.index();
             let releases = index.releases_of(family).map(|release| index.release(release));
             releases
-                .map(|release| ReleaseText { name: release.name.to_owned(), text: release.text() })
+                .map(|release| ReleaseText {
+                    name: release.name().to_owned(),
+                    text: release.text().to_owned(),
+                })
                 .collect()
         })
     }

@@ -28,12 +28,13 @@ pub(super) fn find(catalogue: &Catalogue<'_>, word: &str) -> Option<Hash> {
         _ => type_hash == hash,
     };
     // Only PX4 messages have a uORB hash and topics.
-    let has_form = |topics: &[String]| form != "uorb" || !topics.is_empty();
-    let rows = catalogue.rows().filter(|row| has_form(&row.topics) && is_equal(row.hash, &row.type_hash));
+    let has_form = |has_topics: bool| form != "uorb" || has_topics;
+    let rows =
+        catalogue.rows().filter(|row| has_form(!row.topics.is_empty()) && is_equal(row.hash, row.type_hash));
     let mut definitions: Vec<Hashed> = rows
         .map(|row| Hashed {
-            name: row.name.clone(),
-            topics: row.topics.clone(),
+            name: row.name.to_owned(),
+            topics: row.owned_topics(),
             releases: row.releases.iter().map(|release| catalogue.label(release)).collect(),
             documented: false,
         })
@@ -43,7 +44,7 @@ pub(super) fn find(catalogue: &Catalogue<'_>, word: &str) -> Option<Hash> {
         let name = ros_name(schema, message);
         match definitions.iter_mut().find(|found| found.name == name) {
             Some(found) => found.documented = true,
-            None if !has_form(&message.topics) => {}
+            None if !has_form(!message.topics.is_empty()) => {}
             None => definitions.push(Hashed {
                 name,
                 topics: message.topics.clone(),

@@ -17,12 +17,12 @@ pub(super) fn explain(catalogue: &Catalogue<'_>, definition: &Definition) -> Mes
     let steps = catalogue.history(definition);
     Message {
         name: definition.name.clone(),
-        topics: row.map(|row| row.topics.clone()).unwrap_or_default(),
+        topics: row.map(Row::owned_topics).unwrap_or_default(),
         release: catalogue.label(release),
         version: first.and_then(|message| message.version),
         description: documented.map(|message| message.docs.text()).unwrap_or_default(),
         uorb_hash: row.filter(|row| !row.topics.is_empty()).map(|row| format!("0x{:08x}", row.hash)),
-        type_hash: row.map(|row| row.type_hash.clone()),
+        type_hash: row.map(|row| row.type_hash.to_owned()),
         uorb_size: first
             .and_then(|message| message.uorb.as_ref())
             .map(|layout| layout.size)

@@ -73,11 +73,11 @@ fn similar_item(catalogue: &Catalogue<'_>, first: &str, rest: &str) -> Option<St
     let known = definitions(catalogue);
     let definition = similar(first, known.iter().map(String::as_str))?;
     let rows = catalogue.rows().filter(|row| {
-        row.topics.iter().any(|topic| topic == definition) || row.name.rsplit('/').next() == Some(definition)
+        row.topics.iter().any(|topic| *topic == definition) || row.name.rsplit('/').next() == Some(definition)
     });
     let mut items: Vec<String> = Vec::new();
     for row in rows {
-        let Some(release) = catalogue.newest(&row.name) else { continue };
+        let Some(release) = catalogue.newest(row.name) else { continue };
         let own = entries(catalogue.text(release)).find(|entry| full_name(entry) == row.name);
         items.extend(own.iter().flat_map(|entry| names(entry.text)).map(str::to_owned));
     }
@@ -89,7 +89,7 @@ fn similar_item(catalogue: &Catalogue<'_>, first: &str, rest: &str) -> Option<St
 fn definitions(catalogue: &Catalogue<'_>) -> Vec<String> {
     let mut known = Vec::new();
     for row in catalogue.rows() {
-        known.extend(row.topics.iter().cloned());
+        known.extend(row.owned_topics());
         known.extend(row.name.rsplit('/').next().map(str::to_owned));
     }
     known.sort_unstable();

@@ -57,9 +57,9 @@ pub(super) fn find(catalogue: &Catalogue<'_>, word: &str) -> Vec<Target> {
 /// The definitions that a topic or a name denotes. Uses the newest release that contains at least one of them.
 fn definitions(catalogue: &Catalogue<'_>, word: &str) -> Vec<(String, ReleaseId)> {
     let unversioned = unversioned(word);
-    let is_topic = |topic: &String| topic == word || unversioned.is_some_and(|name| topic == name);
-    let rows = catalogue.rows().filter(|row| is_named(&row.name, word) || row.topics.iter().any(is_topic));
-    let newest = rows.filter_map(|row| Some((row.name.clone(), catalogue.newest(&row.name)?)));
+    let is_topic = |topic: &&str| *topic == word || unversioned == Some(topic);
+    let rows = catalogue.rows().filter(|row| is_named(row.name, word) || row.topics.iter().any(is_topic));
+    let newest = rows.filter_map(|row| Some((row.name.to_owned(), catalogue.newest(row.name)?)));
     newest_of_each_family(catalogue, &newest.collect())
 }
 
@@ -197,5 +197,5 @@ pub(super) fn declared_name(line: &str) -> Option<&str> {
 fn short(catalogue: &Catalogue<'_>, full_name: &str) -> String {
     let name = full_name.rsplit('/').next().unwrap_or(full_name);
     let row = catalogue.library().index().of_name(full_name).last();
-    row.and_then(|row| row.topics.first()).map_or(name, String::as_str).to_owned()
+    row.and_then(|row| row.topics.first()).map_or(name, |topic| topic).to_owned()
 }

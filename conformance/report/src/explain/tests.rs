@@ -213,7 +213,7 @@ fn hashes_denote_definitions_and_releases() {
     let rows = index.rows().iter().filter(|row| row.name == "px4_msgs/msg/VehicleStatus");
     for row in rows.step_by(extent(1, 3)) {
         let labels: Vec<String> = row.releases.iter().map(|release| index.label(release)).collect();
-        for word in [format!("{:08x}", row.hash), format!("0x{:08X}", row.hash), row.type_hash.clone()] {
+        for word in [format!("{:08x}", row.hash), format!("0x{:08X}", row.hash), row.type_hash.to_owned()] {
             let found = answers(&LIBRARY, &word, None).expect("a hash");
             assert_eq!(found[0]["definitions"][0]["name"], row.name, "{word}");
             assert_eq!(found[0]["definitions"][0]["releases"], json!(labels), "{word}");

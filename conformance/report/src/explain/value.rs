@@ -114,7 +114,7 @@ fn by_release(
     meaning: &[Member],
 ) -> Vec<Meaning> {
     let family = catalogue.family(owner.release);
-    let own = catalogue.library().index().release(owner.release).name;
+    let own = catalogue.library().index().release(owner.release).name();
     let steps = catalogue.history(owner);
     // The number of a flag is either its mask or its bit number.
     let constants = steps.iter().find(|step| step.release == own).map(|step| &step.constants);

@@ -2,6 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use uavspec_capture::ulog::Log;
+use uavspec_dynamic::MessageType;
+use uavspec_lint::release::LayoutHashes;
 use uavspec_model::json::Tree;
 use uavspec_px4::json::count_differences;
 
@@ -21,6 +24,20 @@ pub struct Clues {
     pub version: Option<(u8, u8)>,
     /// The ROS distribution in a bag, such as `humble`.
     pub distribution: Option<String>,
+}
+
+impl Clues {
+    /// The facts about a log: the formats of its topics, and the version of the firmware. A log that ends early may have no
+    /// topics; then all formats count.
+    pub(super) fn of_log(log: &Log, topics: &BTreeSet<String>, version: Option<(u8, u8)>) -> Self {
+        let mut layouts = LayoutHashes::default();
+        let is_topic = |format: &MessageType<'_>| topics.is_empty() || topics.contains(format.name());
+        let formats =
+            log.types().iter().filter(is_topic).filter_map(|format| {
+                Some((format.name().to_owned(), FormatClue::Layout(layouts.get(format)?)))
+            });
+        Self { formats: formats.collect(), version, ..Self::default() }
+    }
 }
 
 /// The format of a topic.
@@ -225,11 +242,11 @@ impl Index {
         };
         let has_version = |row: &&Row| Some(row.version) == message.version;
         let versioned = rows.iter().copied().filter(has_version);
-        let versioned: BTreeSet<&str> = versioned.map(|row| row.type_hash.as_str()).collect();
+        let versioned: BTreeSet<&str> = versioned.map(|row| row.type_hash).collect();
         if versioned.is_empty() {
             return rows;
         }
-        rows.into_iter().filter(|row| versioned.contains(row.type_hash.as_str())).collect()
+        rows.into_iter().filter(|row| versioned.contains(row.type_hash)).collect()
     }
 
     /// The definitions among `rows` with the fewest differences from a JSON message.
@@ -243,7 +260,7 @@ impl Index {
             counts.entry(&row.type_hash).or_insert_with(count);
         }
         let min = counts.values().min();
-        rows.into_iter().filter(|row| counts.get(row.type_hash.as_str()) == min).collect()
+        rows.into_iter().filter(|row| counts.get(row.type_hash) == min).collect()
     }
 
     /// The number of types whose version in this release is a version in the names of their topics.
@@ -271,7 +288,7 @@ impl Index {
 
     /// True if a capture contains the name of this release: the version of the firmware, or the ROS distribution.
     fn is_stated(&self, release: ReleaseId, clues: &Clues) -> bool {
-        let name = self.release(release).name;
+        let name = self.release(release).name();
         match self.family(release) {
             Family::Px4 => clues.version.is_some_and(|(major, minor)| name == format!("{major}.{minor}")),
             Family::Ros2 => clues.distribution.as_deref() == Some(name),
@@ -443,7 +460,12 @@ mod tests {
         let name = "sensor_msgs/msg/Range";
         let hash = |label: &str| {
             let release = index.find(label).expect("a release");
-            index.of_name(name).find(|row| row.releases.contains(release)).expect("a type").type_hash.clone()
+            index
+                .of_name(name)
+                .find(|row| row.releases.contains(release))
+                .expect("a type")
+                .type_hash
+                .to_owned()
         };
         let choose = |distribution: Option<&str>, type_hash: Option<String>| {
             let clue = TypeClue { type_hash, size: Some(60), ..TypeClue::default() };

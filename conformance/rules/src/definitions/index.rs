@@ -3,7 +3,7 @@
 use std::collections::{BTreeSet, HashMap};
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
-use uavspec_definitions::releases::{RELEASES, Release, fingerprints};
+use uavspec_definitions::releases::{FINGERPRINTS, Release, releases};
 use uavspec_dynamic::Types;
 use uavspec_lint::release;
 use uavspec_lint::release::age;
@@ -51,8 +51,8 @@ impl Family {
         }
     }
 
-    fn of(release: &Release) -> Option<Self> {
-        Self::ALL.into_iter().find(|family| family.name() == release.family)
+    fn of(release: Release) -> Option<Self> {
+        Self::ALL.into_iter().find(|family| family.name() == release.family())
     }
 }
 
@@ -102,11 +102,11 @@ impl ReleaseSet {
 #[derive(Clone, Debug)]
 pub struct Row {
     /// The full ROS name: `px4_msgs/msg/BatteryStatus`.
-    pub name: String,
+    pub name: &'static str,
     /// The releases that contain it.
     pub releases: ReleaseSet,
     /// The topics (PX4).
-    pub topics: Vec<String>,
+    pub topics: Vec<&'static str>,
     /// The hash of the layout in memory.
     pub(crate) layout: Option<u64>,
     /// The size in CDR, if it is fixed.
@@ -116,12 +116,17 @@ pub struct Row {
     /// PX4's hash of the fields.
     pub hash: u32,
     /// The ROS type hash.
-    pub type_hash: String,
+    pub type_hash: &'static str,
     /// The version of the message, which PX4 appends to the topic if it isn't 0.
     pub(crate) version: u32,
 }
 
 impl Row {
+    /// The topics.
+    pub fn owned_topics(&self) -> Vec<String> {
+        self.topics.iter().map(|topic| (*topic).to_owned()).collect()
+    }
+
     /// True if one of these releases contains the definition.
     pub(crate) fn is_in(&self, releases: ReleaseSet) -> bool {
         !self.releases.intersection(releases).is_empty()
@@ -132,14 +137,14 @@ impl Row {
 #[derive(Debug)]
 pub struct Index {
     /// The releases by family, from the oldest to the newest.
-    releases: Vec<(Family, &'static Release)>,
+    releases: Vec<(Family, Release)>,
     rows: Vec<Row>,
     /// The indices of the rows, by topic.
-    by_topic: HashMap<String, Vec<usize>>,
+    by_topic: HashMap<&'static str, Vec<usize>>,
     /// The indices of the rows, by name.
-    by_name: HashMap<String, Vec<usize>>,
+    by_name: HashMap<&'static str, Vec<usize>>,
     /// The definitions that were read, by type hash. They are stored, because reading a release takes milliseconds.
-    read: Mutex<HashMap<String, Option<Arc<ReadDefinition>>>>,
+    read: Mutex<HashMap<&'static str, Option<Arc<ReadDefinition>>>>,
 }
 
 /// A definition of a release.
@@ -154,25 +159,25 @@ pub(crate) struct ReadDefinition {
 impl Index {
     /// The built-in fingerprints, read when they are first needed.
     pub(crate) fn built_in() -> &'static Self {
-        static INDEX: LazyLock<Index> = LazyLock::new(|| Index::read(RELEASES, &fingerprints()));
+        static INDEX: LazyLock<Index> = LazyLock::new(|| Index::read(FINGERPRINTS));
         &INDEX
     }
 
-    fn read(releases: &'static [Release], text: &str) -> Self {
-        let known = releases.iter().filter_map(|release| Some((Family::of(release)?, release)));
-        let mut releases: Vec<(Family, &Release)> = known.collect();
-        releases.sort_by_cached_key(|(family, release)| (*family, age(release.name)));
+    fn read(text: &'static str) -> Self {
+        let known = releases().filter_map(|release| Some((Family::of(release)?, release)));
+        let mut releases: Vec<(Family, Release)> = known.collect();
+        releases.sort_by_cached_key(|(family, release)| (*family, age(release.name())));
         let ids: HashMap<String, ReleaseId> = (0..)
             .zip(&releases)
-            .map(|(id, (family, release))| (format!("{}@{}", family.name(), release.name), ReleaseId(id)))
+            .map(|(id, (family, release))| (format!("{}@{}", family.name(), release.name()), ReleaseId(id)))
             .collect();
         // The first line is the heading.
         let rows: Vec<Row> = text.lines().skip(1).filter_map(|line| row(line, &ids)).collect();
         let (mut by_topic, mut by_name) = (HashMap::<_, Vec<usize>>::new(), HashMap::<_, Vec<usize>>::new());
         for (at, row) in rows.iter().enumerate() {
-            by_name.entry(row.name.clone()).or_default().push(at);
+            by_name.entry(row.name).or_default().push(at);
             for topic in &row.topics {
-                by_topic.entry(topic.clone()).or_default().push(at);
+                by_topic.entry(*topic).or_default().push(at);
             }
         }
         Self { releases, rows, by_topic, by_name, read: Mutex::default() }
@@ -203,23 +208,23 @@ impl Index {
     }
 
     /// The definitions of a release.
-    pub fn release(&self, release: ReleaseId) -> &'static Release {
+    pub fn release(&self, release: ReleaseId) -> Release {
         self.releases[usize::from(release.0)].1
     }
 
     /// The name on the command line: `px4@1.16`.
     pub fn label(&self, release: ReleaseId) -> String {
-        format!("{}@{}", self.family(release).name(), self.release(release).name)
+        format!("{}@{}", self.family(release).name(), self.release(release).name())
     }
 
     /// The name in sentences: `PX4 1.16`.
     pub(crate) fn title(&self, release: ReleaseId) -> String {
-        format!("{} {}", self.family(release).title(), self.release(release).name)
+        format!("{} {}", self.family(release).title(), self.release(release).name())
     }
 
     /// True if the content of the release still changes, as on the main branch.
     pub fn is_moving(&self, release: ReleaseId) -> bool {
-        MOVING.contains(&self.release(release).name)
+        MOVING.contains(&self.release(release).name())
     }
 
     /// The definitions of a topic.
@@ -240,15 +245,15 @@ impl Index {
     /// Reads a definition from the newest release that contains it.
     pub(crate) fn definition(&self, row: &Row) -> Option<Arc<ReadDefinition>> {
         let mut read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(found) = read.get(&row.type_hash) {
+        if let Some(found) = read.get(row.type_hash) {
             return found.clone();
         }
         let found = row.releases.iter().next_back().and_then(|release| {
             let text = self.release(release).text();
-            let (schema, id) = read_definition(&text, &row.name, self.family(release).dialect())?;
+            let (schema, id) = read_definition(text, row.name, self.family(release).dialect())?;
             Some(Arc::new(ReadDefinition { types: Types::new(&schema), id }))
         });
-        read.insert(row.type_hash.clone(), found.clone());
+        read.insert(row.type_hash, found.clone());
         found
     }
 
@@ -259,34 +264,31 @@ impl Index {
 }
 
 /// Reads a line of the table.
-fn row(line: &str, ids: &HashMap<String, ReleaseId>) -> Option<Row> {
+fn row(line: &'static str, ids: &HashMap<String, ReleaseId>) -> Option<Row> {
     let mut columns = line.split('\t');
     let mut next = || columns.next();
-    let (name, releases, topics) = (next()?.to_owned(), next()?, next()?);
+    let (name, releases, topics) = (next()?, next()?, next()?);
     let (layout, cdr_size, keys, hash, type_hash) = (next()?, next()?, next()?, next()?, next()?);
     let version = next()?.parse().ok()?;
     let releases = releases.split(' ').filter_map(|label| ids.get(label));
     Some(Row {
         name,
         releases: releases.fold(ReleaseSet::default(), |set, release| set.with(*release)),
-        topics: topics.split_whitespace().map(str::to_owned).collect(),
+        topics: topics.split_whitespace().collect(),
         layout: u64::from_str_radix(layout, 16).ok(),
         cdr_size: cdr_size.parse().ok(),
         keys: u64::from_str_radix(keys, 16).ok(),
         hash: u32::from_str_radix(hash, 16).ok()?,
-        type_hash: type_hash.to_owned(),
+        type_hash,
         version,
     })
 }
 
 /// The text of the definitions in the newest ROS 2 release whose content no longer changes.
 pub fn newest_ros2() -> &'static str {
-    static TEXT: LazyLock<String> = LazyLock::new(|| {
-        let index = Index::built_in();
-        let newest = index.releases_of(Family::Ros2).filter(|release| !index.is_moving(*release)).last();
-        newest.map(|release| index.release(release).text()).unwrap_or_default()
-    });
-    &TEXT
+    let index = Index::built_in();
+    let newest = index.releases_of(Family::Ros2).filter(|release| !index.is_moving(*release)).last();
+    newest.map(|release| index.release(release).text()).unwrap_or_default()
 }
 
 /// Reads the definition with a full ROS name, and its nested definitions, from the text of a release.
@@ -317,7 +319,7 @@ mod tests {
         assert!(labels.contains(&"ros2@jazzy".to_owned()), "{labels:?}");
         assert_eq!(index.find("px4@main").map(|main| index.title(main)), Some("PX4 main".to_owned()));
         assert_eq!(index.find("px4@0"), None);
-        assert_eq!(index.rows().len(), fingerprints().lines().count() - 1);
+        assert_eq!(index.rows().len(), FINGERPRINTS.lines().count() - 1);
         for row in index.rows() {
             assert!(!row.releases.is_empty() && row.type_hash.starts_with("RIHS01_"), "{row:?}");
         }

@@ -3,17 +3,20 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, OnceLock, Weak};
 
-use uavspec_definitions::PX4;
+use uavspec_capture::ulog::{Compiled, Log};
+use uavspec_definitions::{File, PX4};
 use uavspec_lint::release::{self, entries};
+use uavspec_model::Recent;
 use uavspec_px4::event::EventMetadata;
+use uavspec_schema::fingerprint::add_hashes;
 use uavspec_schema::msg::Dialect;
-use uavspec_schema::{Failure, Form, PackageInput, SourceMap, read, read_formats};
+use uavspec_schema::{Failure, Form, PackageInput, SourceMap, read_formats};
 
 use super::choice::{Choice, Clues};
 use super::index::{Family, Index, ReleaseId};
-use super::{Definitions, LoadedRelease, SchemaError, Schemas, built_in_events};
+use super::{Definitions, LoadedRelease, SchemaError, Schemas, Shared, built_in_events};
 use crate::limits::MAX_STORED;
 
 /// The ROS package of PX4's messages.
@@ -23,9 +26,6 @@ const PX4_ROS_PACKAGE: &str = "px4_msgs";
 pub fn ros_package(name: &str) -> &str {
     if name == Family::Px4.name() { PX4_ROS_PACKAGE } else { name }
 }
-
-/// Documented messages by name: their declarations without comments, and their files.
-type Documented = HashMap<String, (String, &'static str)>;
 
 /// The definitions for a run.
 #[derive(Debug)]
@@ -40,8 +40,18 @@ pub struct Library {
     schemas: Arc<Schemas>,
     events: Arc<EventMetadata>,
     index: OnceLock<&'static Index>,
-    documented: OnceLock<Documented>,
-    stored: Mutex<HashMap<Key, Arc<Definitions>>>,
+    stored: Recent<(Key, Arc<Definitions>), MAX_STORED>,
+    logs: Recent<LogChoice, MAX_STORED>,
+    shared: Arc<Shared>,
+}
+
+/// The definitions that were chosen for a log, and the facts that decided.
+#[derive(Debug)]
+struct LogChoice {
+    compiled: Weak<Compiled>,
+    topics: BTreeSet<String>,
+    version: Option<(u8, u8)>,
+    definitions: Arc<Definitions>,
 }
 
 /// Identifies the loaded definitions: for each main release, the release itself, the types that come from other
@@ -56,7 +66,8 @@ impl Library {
 
     /// Definitions that apply to all captures.
     pub fn fixed(definitions: Definitions) -> Self {
-        let library = Self::new(definitions.name.clone(), true);
+        let library =
+            Self { shared: Arc::clone(&definitions.shared), ..Self::new(definitions.name.clone(), true) };
         // The library is new, so the definitions aren't set yet.
         let _ = library.base.set(Arc::new(definitions));
         library
@@ -92,8 +103,9 @@ impl Library {
             schemas: Arc::default(),
             events: built_in_events(),
             index: OnceLock::new(),
-            documented: OnceLock::new(),
-            stored: Mutex::default(),
+            stored: Recent::default(),
+            logs: Recent::default(),
+            shared: Arc::default(),
         }
     }
 
@@ -132,10 +144,19 @@ impl Library {
             Arc::new(if let Some((_, release)) = self.forced {
                 self.read(&[Choice::without_clues(release)])
             } else {
-                let (schemas, events) = (Arc::clone(&self.schemas), Arc::clone(&self.events));
-                Definitions { schemas, events, ..Definitions::built_in() }
+                self.sharing(Definitions::built_in())
             })
         })
+    }
+
+    /// Definitions with what all definitions of the library share.
+    fn sharing(&self, definitions: Definitions) -> Definitions {
+        Definitions {
+            schemas: Arc::clone(&self.schemas),
+            events: Arc::clone(&self.events),
+            shared: Arc::clone(&self.shared),
+            ..definitions
+        }
     }
 
     /// The newest PX4 release whose content no longer changes.
@@ -199,17 +220,30 @@ impl Library {
         }
         let parts = |choice: &Choice| (choice.release, choice.others.clone(), choice.undecided.clone());
         let key: Key = choices.iter().map(parts).collect();
-        let stored = || self.stored.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(known) = stored().get(&key) {
-            return Arc::clone(known);
-        }
-        let definitions = Arc::new(self.read(&choices));
-        let mut stored = stored();
-        if stored.len() >= MAX_STORED {
-            stored.clear();
-        }
-        stored.insert(key, Arc::clone(&definitions));
-        definitions
+        let make = || (key.clone(), Arc::new(self.read(&choices)));
+        Arc::clone(&self.stored.get(|(known, _)| *known == key, make).1)
+    }
+
+    /// An empty log that shares its formats with the other logs of the run.
+    pub fn log(&self) -> Log {
+        Log::sharing(&self.shared.formats)
+    }
+
+    /// Chooses the definitions for a log, from its formats and subscriptions and the version of the firmware.
+    pub fn choose_for_log(&self, log: &Log, version: Option<(u8, u8)>) -> Arc<Definitions> {
+        let topics: BTreeSet<String> =
+            log.subscriptions().map(|subscription| subscription.topic.clone()).collect();
+        let is_same = |known: &LogChoice| {
+            known.compiled.as_ptr() == Arc::as_ptr(log.compiled())
+                && (&known.topics, known.version) == (&topics, version)
+        };
+        let make = || LogChoice {
+            compiled: Arc::downgrade(log.compiled()),
+            topics: topics.clone(),
+            version,
+            definitions: self.choose(&Clues::of_log(log, &topics, version)),
+        };
+        Arc::clone(&self.logs.get(is_same, make).definitions)
     }
 
     /// Reads the definitions of releases.
@@ -217,11 +251,12 @@ impl Library {
         let index = self.index();
         let mut sources = SourceMap::default();
         let (mut packages, mut replacements) = (Vec::new(), Vec::new());
-        let (mut releases, mut origins) = (Vec::new(), HashMap::new());
+        let (mut releases, mut origins, mut ids) = (Vec::new(), HashMap::new(), HashMap::new());
         for choice in choices {
             let loaded = self.loaded(choice.release);
             for package in self.packages(choice.release, None, &mut sources) {
                 origins.insert(package.name.clone(), loaded.clone());
+                ids.insert(package.name.clone(), choice.release);
                 packages.push(package);
             }
             releases.push(loaded);
@@ -233,22 +268,27 @@ impl Library {
                 for mut package in self.packages(release, Some(&names), &mut sources) {
                     package.ros_package.get_or_insert_with(|| package.name.clone());
                     package.name =
-                        format!("{}_{}", package.name, index.release(release).name.replace('.', "_"));
+                        format!("{}_{}", package.name, index.release(release).name().replace('.', "_"));
                     replacements.push(package.name.clone());
                     origins.insert(package.name.clone(), self.loaded(release));
+                    ids.insert(package.name.clone(), release);
                     packages.push(package);
                 }
             }
         }
         // Tests ensure that the releases have no errors.
-        let (schema, _) = read(&sources, &packages);
+        let (mut schema, _) = read_formats(&sources, &packages);
+        add_hashes(&mut schema, |package, name| {
+            let release = *ids.get(&package.name)?;
+            let row = index.of_name(name).find(|row| row.releases.contains(release))?;
+            Some((row.hash, row.type_hash.to_owned()))
+        });
         let titles: Vec<&str> =
             releases.iter().map(|release: &LoadedRelease| release.title.as_str()).collect();
         let definitions =
             Definitions::new(titles.join(", "), sources, schema).with_replacements(&replacements);
         let undecided = choices.iter().flat_map(|choice| choice.undecided.iter().cloned()).collect();
-        let (schemas, events) = (Arc::clone(&self.schemas), Arc::clone(&self.events));
-        Definitions { releases, origins, undecided, schemas, events, ..definitions }
+        self.sharing(Definitions { releases, origins, undecided, ..definitions })
     }
 
     fn loaded(&self, release: ReleaseId) -> LoadedRelease {
@@ -271,56 +311,47 @@ impl Library {
         let (family, label) = (index.family(release), index.label(release));
         let text = index.release(release).corrected_text();
         let text = match names {
-            Some(names) => release::select(&text, names),
+            Some(names) => release::select(&text, names).into(),
             None => text,
         };
         match family {
             Family::Ros2 => release::packages(&text, Dialect::Ros2, &format!("{label}/"), sources),
-            Family::Px4 => vec![px4_package(&text, &label, self.documented(), sources)],
+            Family::Px4 => vec![px4_package(&text, &label, sources)],
         }
-    }
-
-    /// The built-in PX4 messages, which are documented.
-    fn documented(&self) -> &Documented {
-        self.documented.get_or_init(|| {
-            let mut sources = SourceMap::default();
-            let package = Definitions::built_in_px4(&mut sources);
-            let text = release::write(&read_formats(&sources, &[package]).0);
-            let documented = entries(&text).filter_map(|entry| {
-                let file = PX4.get_file(format!("{}.msg", entry.name))?.contents_utf8()?;
-                Some((entry.name.to_owned(), (declarations(entry.text), file)))
-            });
-            documented.collect()
-        })
     }
 }
 
-/// The package of a PX4 release. A message that is declared like a documented message is replaced by the documented
-/// message.
-fn px4_package(text: &str, label: &str, documented: &Documented, sources: &mut SourceMap) -> PackageInput {
+/// The package of a PX4 release. A built-in message replaces a message with the same declarations, because it is documented.
+fn px4_package(text: &str, label: &str, sources: &mut SourceMap) -> PackageInput {
     let mut package = PackageInput::new(Family::Px4.name(), Form::Msg(Dialect::Px4), Vec::new());
     package.ros_package = Some(PX4_ROS_PACKAGE.to_owned());
     for entry in entries(text) {
-        let file = documented.get(entry.name).filter(|(known, _)| *known == declarations(entry.text));
         let path = format!("{}.{}", entry.name, entry.kind.name());
-        let (path, text) = match file {
-            Some((_, file)) => (format!("definitions/px4/{path}"), *file),
-            None => (format!("{label}/{path}"), entry.text),
-        };
+        let built_in = PX4.get_file(&path).and_then(File::contents_utf8);
+        let (path, text) =
+            match built_in.filter(|built_in| declarations(built_in).eq(declarations(entry.text))) {
+                Some(text) => (format!("definitions/px4/{path}"), text),
+                None => (format!("{label}/{path}"), entry.text),
+            };
         package.sources.extend(sources.add(path, text.into()));
     }
     package
 }
 
-/// The lines of a definition without annotations.
-fn declarations(text: &str) -> String {
-    text.lines().map(|line| line.split(" # ").next().unwrap_or(line)).collect::<Vec<_>>().join("\n")
+/// The declarations in a definition, without spaces and comments. The topics are part of the declarations.
+fn declarations(text: &str) -> impl Iterator<Item = String> {
+    let lines = text.lines().map(|line| match line.strip_prefix("# TOPICS") {
+        Some(topics) => topics,
+        None => line.split('#').next().unwrap_or_default(),
+    });
+    lines.map(|line| line.split_whitespace().collect::<String>()).filter(|line| !line.is_empty())
 }
 
 #[cfg(test)]
 mod tests {
     use uavspec_dynamic::Types;
     use uavspec_lint::release::LayoutHashes;
+    use uavspec_schema::fingerprint::type_hash;
 
     use super::*;
     use crate::definitions::FormatClue;
@@ -330,7 +361,7 @@ mod tests {
         let release = index.find(label).expect("a release");
         let rows = index.rows().iter().filter(|row| row.releases.contains(release));
         let formats = rows.flat_map(|row| {
-            row.topics.iter().filter_map(|topic| Some((topic.clone(), FormatClue::Layout(row.layout?))))
+            row.topics.iter().filter_map(|topic| Some(((*topic).to_owned(), FormatClue::Layout(row.layout?))))
         });
         Clues { formats: formats.collect(), ..Clues::default() }
     }
@@ -346,6 +377,15 @@ mod tests {
             assert_eq!(library.index().label(choices[0].release), label);
             assert_eq!((choices[0].matching, choices[0].others.len()), (choices[0].known, 0), "{label}");
             let types = Types::new(&definitions.schema);
+            for id in definitions.schema.packages.iter().flat_map(|package| &package.messages) {
+                let message = definitions.schema.message(*id);
+                assert_eq!(
+                    message.type_hash,
+                    type_hash(&definitions.schema, *id),
+                    "{label} {}",
+                    message.name
+                );
+            }
             for (topic, layout) in &clues.formats {
                 let id = definitions.message_of_topic(topic).expect("a definition");
                 let found = LayoutHashes::default().get(types.get(id)).map(FormatClue::Layout);
