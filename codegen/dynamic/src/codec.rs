@@ -60,15 +60,21 @@ impl<'t> MessageType<'t> {
     ///
     /// The payload may end with up to three padding bytes, which extend it to a multiple of four bytes.
     pub fn decode_cdr(self, payload: &[u8]) -> Result<DynamicMessage<'t>, Error> {
+        self.decode_cdr_in(payload, Vec::new())
+    }
+
+    /// Like [`decode_cdr`](Self::decode_cdr), with a buffer for the memory of the message, such as that of an earlier message
+    /// ([`DynamicMessage::into_memory`]).
+    pub fn decode_cdr_in(self, payload: &[u8], buffer: Vec<u8>) -> Result<DynamicMessage<'t>, Error> {
         self.check()?;
-        cdr::decode(self, payload, false)
+        cdr::decode(self, payload, false, buffer)
     }
 
     /// Like [`decode_cdr`](Self::decode_cdr), but rejects a `bool` that is neither 0 nor 1, and a string that is not
     /// Unicode.
     pub fn decode_cdr_strict(self, payload: &[u8]) -> Result<DynamicMessage<'t>, Error> {
         self.check()?;
-        cdr::decode(self, payload, true)
+        cdr::decode(self, payload, true, Vec::new())
     }
 
     /// Reads JSON. Sequences and strings longer than their bound are accepted; [`DynamicMessage::validate`] reports

@@ -1,5 +1,7 @@
 //! Compilation of definitions to plans.
 
+use std::sync::OnceLock;
+
 use uavspec_runtime::Scalar;
 use uavspec_runtime::layout::{self, Member, Size};
 use uavspec_schema::limits::MAX_MESSAGE_SIZE;
@@ -174,6 +176,7 @@ fn unusable(draft: &Draft, defect: Defect) -> Plan {
         has_bools: false,
         is_restricted: false,
         defect: Some(defect),
+        transfer: OnceLock::new(),
     }
 }
 
@@ -204,6 +207,7 @@ fn plan(mut draft: Draft, plans: &[Plan]) -> Plan {
         has_bools: any(|field| field.element == Element::Scalar(Scalar::Bool), |plan| plan.has_bools),
         is_restricted: fields.iter().any(|field| field.is_restricted),
         defect: None,
+        transfer: OnceLock::new(),
         package: draft.package,
         name: draft.name,
         span: draft.span,

@@ -24,3 +24,8 @@ pub const MAX_CONVERTED: usize = 256 << 20;
 
 /// The maximum length of the text of an event, in bytes.
 pub(crate) const MAX_EVENT_TEXT: usize = 4 << 10;
+
+/// The maximum number of parts of a message that is copied from CDR part by part, and its maximum size in bytes. Larger
+/// messages are read field by field.
+pub(crate) const MAX_PARTS: usize = 64;
+pub(crate) const MAX_TRANSFERRED: usize = 1 << 16;

@@ -39,6 +39,11 @@ impl<'t> DynamicMessage<'t> {
         &self.buffer
     }
 
+    /// The bytes in memory; see [`Self::memory`].
+    pub fn into_memory(self) -> Vec<u8> {
+        self.buffer
+    }
+
     /// Size in memory in bytes.
     pub fn size_in_memory(&self) -> usize {
         self.buffer.len()

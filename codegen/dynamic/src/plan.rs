@@ -1,5 +1,7 @@
 //! The compiled form of a type, for codecs and checks.
 
+use std::sync::OnceLock;
+
 use uavspec_runtime::Number;
 use uavspec_runtime::layout::Size;
 use uavspec_schema::source::Span;
@@ -32,6 +34,17 @@ pub(super) struct Plan {
     pub(super) is_restricted: bool,
     /// The reason why the type is unusable.
     pub(super) defect: Option<Defect>,
+    /// Set when the first message is read from CDR.
+    pub(super) transfer: OnceLock<Option<Transfer>>,
+}
+
+/// The bytes of a message that are the same in memory and in little-endian CDR. Only messages of fixed size have one.
+#[derive(Debug, Default)]
+pub(super) struct Transfer {
+    /// The parts, in the order of CDR: the offset after the header, the offset in memory, and the length.
+    pub(super) parts: Vec<(usize, usize, usize)>,
+    /// The size of the message in CDR, without the header.
+    pub(super) size: usize,
 }
 
 /// A field with its position in memory.

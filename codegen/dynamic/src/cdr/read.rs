@@ -9,8 +9,9 @@ use uavspec_schema::{Element, Shape};
 
 use crate::bytes::reverse_each;
 use crate::error::{Error, Reason};
+use crate::limits::{MAX_PARTS, MAX_TRANSFERRED};
 use crate::message::DynamicMessage;
-use crate::plan::{Field, GROWTH, Plan, SLOT};
+use crate::plan::{Field, GROWTH, Plan, SLOT, Transfer};
 use crate::text::{Bounds, read_narrow, read_wide};
 use crate::trail::Trail;
 use crate::types::{MessageType, Types};
@@ -23,17 +24,24 @@ pub(crate) fn decode<'t>(
     ty: MessageType<'t>,
     payload: &[u8],
     is_strict: bool,
+    buffer: Vec<u8>,
 ) -> Result<DynamicMessage<'t>, Error> {
-    let error = match read(ty, payload, is_strict) {
+    let error = match read(ty, payload, is_strict, buffer) {
         Err(error) if is_strict && ty.plan.is_fixed => error,
         result => return result,
     };
-    let end = read(ty, payload, false).err();
+    let end = read(ty, payload, false, Vec::new()).err();
     let end = end.filter(|error| matches!(error.reason, Reason::Fault(Fault::Truncated { .. })));
     Err(end.unwrap_or(error))
 }
 
-fn read<'t>(ty: MessageType<'t>, payload: &[u8], is_strict: bool) -> Result<DynamicMessage<'t>, Error> {
+fn read<'t>(
+    ty: MessageType<'t>,
+    payload: &[u8],
+    is_strict: bool,
+    mut buffer: Vec<u8>,
+) -> Result<DynamicMessage<'t>, Error> {
+    buffer.clear();
     let name = &ty.plan.name;
     let error = |fault: Fault, at: usize, trail: &Trail<'_>| Error {
         reason: Reason::Fault(fault),
@@ -41,7 +49,13 @@ fn read<'t>(ty: MessageType<'t>, payload: &[u8], is_strict: bool) -> Result<Dyna
         offset: Some(at),
     };
     let order = ByteOrder::of(payload).map_err(|fault| error(fault, 0, &Trail::default()))?;
-    let mut reader = Reader::new(ty, payload.get(HEADER..).unwrap_or_default(), order, is_strict);
+    if order == ByteOrder::LittleEndian
+        && !is_strict
+        && transfer(ty, payload.get(HEADER..).unwrap_or_default(), &mut buffer).is_some()
+    {
+        return Ok(DynamicMessage { ty, buffer });
+    }
+    let mut reader = Reader::new(ty, payload.get(HEADER..).unwrap_or_default(), order, is_strict, buffer);
     if let Err((fault, at)) = reader.message(ty.plan, 0) {
         return Err(error(fault, at + HEADER, &reader.trail));
     }
@@ -53,6 +67,64 @@ fn read<'t>(ty: MessageType<'t>, payload: &[u8], is_strict: bool) -> Result<Dyna
         return Err(Error { reason: Reason::TooLarge, path: name.to_string(), offset: None });
     }
     Ok(DynamicMessage { ty, buffer: reader.buffer })
+}
+
+/// Copies the parts of a message of fixed size to the empty buffer. `None` if the body has another size, or if the message has
+/// too many parts.
+fn transfer(ty: MessageType<'_>, body: &[u8], buffer: &mut Vec<u8>) -> Option<()> {
+    let Transfer { parts, size } =
+        ty.plan.transfer.get_or_init(|| Transfer::default().of(ty.types, ty.plan, 0)).as_ref()?;
+    let left = body.len().checked_sub(*size)?;
+    if left > 0 && !is_padding(size + HEADER, left) {
+        return None;
+    }
+    buffer.resize(ty.plan.size.padded, 0);
+    for (from, to, length) in parts {
+        buffer[*to..to + length].copy_from_slice(&body[*from..from + length]);
+    }
+    Some(())
+}
+
+impl Transfer {
+    /// Adds the parts of the message at offset `base` in memory. `None` if its size varies, or if there are too many parts.
+    fn of(mut self, types: &Types, plan: &Plan, base: usize) -> Option<Self> {
+        if self.parts.len() > MAX_PARTS || self.size > MAX_TRANSFERRED {
+            return None;
+        }
+        if plan.fields.is_empty() {
+            self.size += 1;
+        }
+        for field in &plan.fields {
+            let at = base + field.offset;
+            match field.element {
+                _ if field.is_sequence() => return None,
+                Element::String { .. } => return None,
+                Element::Scalar(scalar) => self.add(at, field.count() * scalar.size(), scalar.size()),
+                Element::Text(length) => self.add(at, length as usize, 1),
+                Element::Message(id) => {
+                    for index in 0..field.count() {
+                        self = self.of(types, types.get(id).plan, at + index * field.stride)?;
+                    }
+                }
+            }
+        }
+        Some(self)
+    }
+
+    /// Adds a part, or extends the previous one.
+    fn add(&mut self, memory: usize, length: usize, alignment: usize) {
+        if length == 0 {
+            return;
+        }
+        let body = self.size.next_multiple_of(alignment);
+        self.size = body + length;
+        match self.parts.last_mut() {
+            Some((from, to, before)) if *from + *before == body && *to + *before == memory => {
+                *before += length
+            }
+            _ => self.parts.push((body, memory, length)),
+        }
+    }
 }
 
 struct Reader<'b> {
@@ -73,10 +145,18 @@ struct Reader<'b> {
 type FaultAt = (Fault, usize);
 
 impl<'b> Reader<'b> {
-    fn new(ty: MessageType<'b>, body: &'b [u8], order: ByteOrder, is_strict: bool) -> Self {
+    fn new(
+        ty: MessageType<'b>,
+        body: &'b [u8],
+        order: ByteOrder,
+        is_strict: bool,
+        mut buffer: Vec<u8>,
+    ) -> Self {
         // A payload that is too short for the message must not cause an allocation.
         let is_too_large = body.len() < ty.plan.min;
-        let buffer = if is_too_large { Vec::new() } else { vec![0; ty.plan.size.padded] };
+        if !is_too_large {
+            buffer.resize(ty.plan.size.padded, 0);
+        }
         Self { types: ty.types, body, at: 0, buffer, is_too_large, order, is_strict, trail: Trail::default() }
     }
 
@@ -251,9 +331,38 @@ mod tests {
         let ty = types.find("demo", "L20").expect("the type");
         let mut body = [1, 0, 0, 0].repeat(10);
         body.resize(1000, 0);
-        let mut reader = Reader::new(ty, &body, ByteOrder::LittleEndian, false);
+        let mut reader = Reader::new(ty, &body, ByteOrder::LittleEndian, false, Vec::new());
         assert!(reader.message(ty.plan, 0).is_err());
         let room = reader.buffer.len();
         assert!((5000..=8000).contains(&room), "{room} bytes allocated for a body of {}", body.len());
+    }
+
+    /// The strict mode reads field by field.
+    #[test]
+    fn transferred_messages_are_the_same_as_those_read_by_field() {
+        let mut sources = SourceMap::default();
+        let mut package = PackageInput::new("demo", Form::Msg(Dialect::Px4), Vec::new());
+        for (name, text) in [
+            ("Mark", "uint8 kind\nuint64 time\nbool[3] flags\nfloat32 height\n"),
+            (
+                "Glider",
+                "uint8 id\nuint64 timestamp\nMark[2] marks\nchar[5] sign\nint16[3] turns\nfloat64 lift\n",
+            ),
+        ] {
+            package.sources.push(sources.add(format!("{name}.msg"), text.into()).expect("a text"));
+        }
+        let types = Types::new(&uavspec_schema::read(&sources, &[package]).0);
+        let ty = types.find("demo", "Glider").expect("the type");
+        let size = Transfer::default().of(&types, ty.plan, 0).expect("a message of fixed size").size;
+        let mut payload = ByteOrder::LittleEndian.header().to_vec();
+        payload.extend((0..size).map(|at| u8::from(at % 3 > 0)));
+        for padding in 0..=4 {
+            payload.resize(HEADER + size + padding, 0);
+            let [fast, slow] = [false, true].map(|is_strict| decode(ty, &payload, is_strict, Vec::new()));
+            let memory = |read: Result<DynamicMessage<'_>, Error>| read.map(DynamicMessage::into_memory).ok();
+            assert_eq!(memory(fast), memory(slow), "{padding} bytes of padding");
+        }
+        payload.truncate(HEADER + size - 1);
+        assert!(decode(ty, &payload, false, vec![7; 1000]).is_err());
     }
 }

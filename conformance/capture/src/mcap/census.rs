@@ -1,7 +1,6 @@
 //! Compares the statistics and indexes of a file with the records that were read.
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::hash::{DefaultHasher, Hash, Hasher as _};
+use std::collections::BTreeSet;
 
 use mcap::records::{Record, Statistics, op};
 
@@ -16,12 +15,17 @@ struct Tally {
 }
 
 impl Tally {
-    fn add(&mut self, item: impl Hash) {
-        let mut hasher = DefaultHasher::new();
-        item.hash(&mut hasher);
+    fn add(&mut self, item: impl IntoIterator<Item = u64>) {
         self.count += 1;
-        self.sum = self.sum.wrapping_add(hasher.finish());
+        self.sum = self.sum.wrapping_add(item.into_iter().fold(0, |hash, number| mixed(hash ^ number)));
     }
+}
+
+/// Distributes the differences between numbers over all bits: the last step of `SplitMix64`.
+const fn mixed(number: u64) -> u64 {
+    let number = (number ^ (number >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let number = (number ^ (number >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    number ^ (number >> 31)
 }
 
 /// The items of one kind that a file contains, and the items of this kind that its index lists.
@@ -54,16 +58,16 @@ impl Ids {
 pub(super) struct Census {
     pub(super) schemas: Ids,
     pub(super) channels: Ids,
-    /// The number of messages of each channel.
-    messages: BTreeMap<u16, u64>,
+    /// The number of messages of each channel, by id.
+    messages: Vec<u64>,
     /// The chunks, each with its offset, its length and its sizes.
     chunks: Indexed,
     attachments: Indexed,
     metadata: Indexed,
-    /// The offset of the latest chunk, and the log times of each channel's messages in it.
-    chunk: (u64, BTreeMap<u16, Tally>),
-    /// The log times in the message indexes after the latest chunk.
-    indexes: BTreeMap<u16, Tally>,
+    /// The offset of the latest chunk.
+    chunk: u64,
+    /// The messages in the latest chunk, and in the message indexes after it: their channels and log times.
+    in_chunk: Indexed,
     /// The statistics of the file.
     statistics: Option<Statistics>,
 }
@@ -75,9 +79,13 @@ impl Census {
     }
 
     pub(super) fn message(&mut self, channel: u16, time: u64, is_in_chunk: bool) {
-        *self.messages.entry(channel).or_default() += 1;
+        let id = usize::from(channel);
+        if id >= self.messages.len() {
+            self.messages.resize(id + 1, 0);
+        }
+        self.messages[id] += 1;
         if is_in_chunk {
-            self.chunk.1.entry(channel).or_default().add(time);
+            self.in_chunk.found.add([channel.into(), time]);
         }
     }
 
@@ -85,19 +93,16 @@ impl Census {
     /// of the previous chunk are wrong, returns the offset of that chunk and the problem.
     pub(super) fn chunk(&mut self, facts: [u64; 4]) -> Option<(u64, Problem)> {
         let problem = self.close_chunk();
-        self.chunk.0 = facts[0];
+        self.chunk = facts[0];
         self.chunks.found.add(facts);
         problem
     }
 
     /// Compares the latest chunk with the indexes after it. Returns the offset of the chunk and the problem.
     pub(super) fn close_chunk(&mut self) -> Option<(u64, Problem)> {
-        let (offset, messages) = std::mem::take(&mut self.chunk);
-        let mut indexes = std::mem::take(&mut self.indexes);
-        // Some writers list channels without messages.
-        indexes.retain(|_, times| times.count > 0);
-        let is_indexed = !indexes.is_empty() && indexes != messages;
-        is_indexed.then_some((offset, Problem::Index { noun: "messages in a chunk" }))
+        let Indexed { found, listed } = std::mem::take(&mut self.in_chunk);
+        let is_wrong = listed.count > 0 && listed != found;
+        is_wrong.then_some((self.chunk, Problem::Index { noun: "messages in a chunk" }))
     }
 
     pub(super) fn attachment(&mut self, offset: u64, length: u64) {
@@ -127,9 +132,8 @@ impl Census {
         let channel = parts.u16()?;
         let length = parts.u32()?;
         let mut entries = Parts(parts.take(length as usize)?);
-        let times = self.indexes.entry(channel).or_default();
         while !entries.0.is_empty() {
-            times.add(entries.u64()?);
+            self.in_chunk.listed.add([channel.into(), entries.u64()?]);
             entries.u64()?;
         }
         Some(())
@@ -158,7 +162,7 @@ impl Census {
             (stated, stated.clamp(min, max))
         };
         let counts = [
-            ("messages", (statistics.message_count, self.messages.values().sum())),
+            ("messages", (statistics.message_count, self.messages.iter().sum())),
             ("schemas", declared(statistics.schema_count.into(), &self.schemas)),
             ("channels", declared(statistics.channel_count.into(), &self.channels)),
             ("attachments", (statistics.attachment_count.into(), self.attachments.found.count)),
@@ -167,7 +171,10 @@ impl Census {
         ];
         // Some writers list no channels.
         let of_channels = statistics.channel_message_counts.iter().map(|(channel, stated)| {
-            ("messages of a channel", (*stated, self.messages.get(channel).copied().unwrap_or_default()))
+            (
+                "messages of a channel",
+                (*stated, self.messages.get(usize::from(*channel)).copied().unwrap_or_default()),
+            )
         });
         let all: Vec<_> = counts.into_iter().chain(of_channels).collect();
         all.into_iter()
