@@ -13,17 +13,24 @@ def pyulog(paths: list[str]) -> int:
 def mcap(paths: list[str]) -> int:
     from mcap.reader import make_reader
 
-    with open(paths[0], "rb") as file:
-        return sum(1 for _ in make_reader(file).iter_messages(log_time_order=False))
+    def read(path: str) -> int:
+        with open(path, "rb") as file:
+            return sum(1 for _ in make_reader(file).iter_messages(log_time_order=False))
+
+    return sum(map(read, paths))
 
 
 def rosbags(paths: list[str]) -> int:
     from rosbags.highlevel import AnyReader
 
-    with AnyReader([Path(path) for path in paths]) as reader:
-        return sum(
-            reader.deserialize(payload, connection.msgtype) is not None for connection, _, payload in reader.messages()
-        )
+    def read(path: str) -> int:
+        with AnyReader([Path(path)]) as reader:
+            return sum(
+                reader.deserialize(payload, connection.msgtype) is not None
+                for connection, _, payload in reader.messages()
+            )
+
+    return sum(map(read, paths))
 
 
 if __name__ == "__main__":

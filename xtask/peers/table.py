@@ -25,6 +25,12 @@ SCHEMAS = HERE.parents[1] / "generated/schemas"
 ROUNDS = int(os.environ.get("ROUNDS", "5"))
 """The number of timed runs of each contestant."""
 
+COPIES = 20
+"""The number of copies of each capture."""
+
+FLIGHT = "sample_px4_events.ulg"
+"""The log of the newest release in the corpus."""
+
 DECODED = 20_000_000
 """The number of times that a codec decodes a message."""
 
@@ -39,8 +45,8 @@ PINS = hasattr(os, "sched_setaffinity")
 """True if the system can pin a process to cores."""
 
 HEADER = """
-| work | program | time, ms | MB/s | ns per message | peak memory, MB | times as fast |
-|---|---|---|---|---|---|---|"""
+| work | messages | MB | program | time, ms | MB/s | ns per message | peak memory, MB | times as fast |
+|---|---|---|---|---|---|---|---|---|"""
 
 NOTES = """
 The time is the median of {rounds} runs, in which the contestants take turns; one marked with * is timed once. The last
@@ -64,6 +70,8 @@ class Contestant:
     """The number of cores that the process may use. 0 means all."""
     rounds: int = ROUNDS
     statuses: tuple[int, ...] = (0,)
+    counts_lines: bool = False
+    """True if the command counts the lines of a session, not its messages."""
     cleared: Path | None = None
     """A folder to delete before each run."""
     stops_at_output: bool = False
@@ -119,13 +127,14 @@ def compare(work: str, size: int, contestants: list[Contestant], versions: dict[
         for contestant in contestants:
             if turn < contestant.rounds:
                 contestant.times.append(contestant.run())
-    counts = {contestant.messages for contestant in contestants} - {0}
+    counts = {contestant.messages for contestant in contestants if not contestant.counts_lines} - {0}
     if len(counts) > 1:
         raise SystemExit(f"{work}: the numbers of messages differ: {sorted(counts)}")
     for contestant in contestants:
         label = (contestant.label or f"{contestant.name} {{}}").format(versions[contestant.name])
         seconds = statistics.median(contestant.times)
-        cells = [work, label + " *" * (contestant.rounds == 1), digits(1e3 * seconds)]
+        cells = [work, f"{max(counts):,}" if size else "", digits(size / 1e6) if size else ""]
+        cells += [label + " *" * (contestant.rounds == 1), digits(1e3 * seconds)]
         cells += [digits(size / seconds / 1e6), digits(1e9 * seconds / max(counts))] if size else ["", ""]
         turns = zip(contestant.times, contestants[0].times, strict=False)
         ratio = f"{statistics.median(peer / own for peer, own in turns):.2f}"
@@ -200,16 +209,24 @@ def rows(folder: Path, uavspec: str, peers: str, corpus: Path) -> Iterator[tuple
         yield Contestant("Python sourcemeta-jsonschema", command, "Blaze (sourcemeta-jsonschema {})")
         yield Contestant("ajv", ["node", HERE / "ajv.mjs", modules, file, schema, *referenced])
 
-    logs = sorted((folder / "ulog").iterdir())
-    ulog = [check(folder / "ulog", cores=1), crate("px4-ulog", "ulog", *logs, cores=1), read("pyulog", *logs, cores=1)]
-    yield f"ULog, {len(logs)} files, one core", total(*logs), ulog
-    two = check(folder / "ulog", cores=2, label="uavspec {}, two cores")
-    yield f"ULog, {len(logs)} files", total(*logs), [two, check(folder / "ulog", cores=1, label="uavspec {}, one core")]
+    for source in sorted((corpus / "ulog").iterdir()):
+        logs = copies(source, folder)
+        peers_of_ulog = [crate("px4-ulog", "ulog", *logs, cores=1), read("pyulog", *logs, cores=1)]
+        yield f"ULog, {COPIES} × {source.name}", total(*logs), [check(*logs, cores=1), *peers_of_ulog]
+    flight = corpus / "ulog" / FLIGHT
+    logs = copies(flight, folder)
+    two = check(*logs, cores=2, label="uavspec {}, two cores")
+    yield f"ULog, {COPIES} × {FLIGHT}", total(*logs), [two, check(*logs, cores=1, label="uavspec {}, one core")]
+    yield f"ULog, {FLIGHT}", total(flight), [check(flight, cores=1), crate("px4-ulog", "ulog", flight, cores=1)]
 
     for compression in ["plain", "zstd", "lz4"]:
-        bag = folder / f"{compression}.mcap"
-        readers = [crate("mcap", "mcap", bag), read("mcap", bag), read("rosbags", bag)]
-        yield f"MCAP, {compression}", total(bag), [check(bag), *readers]
+        bags = copies(folder / f"{compression}.mcap", folder)
+        readers = [crate("mcap", "mcap", *bags, cores=1), read("mcap", *bags, cores=1), read("rosbags", *bags, cores=1)]
+        yield f"MCAP of the same log, {compression}, {COPIES} ×", total(*bags), [check(*bags, cores=1), *readers]
+
+    sessions = copies(corpus / "flockwave/main.jsonl", folder)
+    skip = crate("serde_json", "skip", *sessions, cores=1, counts_lines=True, label="serde_json {}, skipping")
+    yield f"session, {COPIES} × main.jsonl", total(*sessions), [check(*sessions, cores=1), skip]
 
     lines, schema = folder / "FailsafeFlags.jsonl", SCHEMAS / "px4/FailsafeFlags.schema.json"
     skip = crate("serde_json", "skip", lines, label="serde_json {}, skipping")
@@ -259,6 +276,16 @@ def rows(folder: Path, uavspec: str, peers: str, corpus: Path) -> Iterator[tuple
         Contestant("PX4's generator", command, "PX4's generator, {}, to C++", cleared=output),
     ]
     yield f"generate code from {len(files)} messages", 0, generators
+
+
+def copies(path: Path, folder: Path) -> list[Path]:
+    """Copies of a capture, as if it were an archive."""
+    folder = folder / "copies" / path.stem
+    folder.mkdir(parents=True, exist_ok=True)
+    made = [folder / f"{number:02}{path.suffix}" for number in range(COPIES)]
+    for copy in made:
+        shutil.copy(path, copy)
+    return made
 
 
 def total(*files: Path) -> int:

@@ -14,16 +14,13 @@ use uavspec_schema::{Element, Form, PackageInput, SourceMap, read};
 
 use crate::Result;
 
-/// The number of messages in a bag.
-const MESSAGES: u64 = 600_000;
-
 const BAGS: [(&str, Option<Compression>); 3] =
     [("plain", None), ("zstd", Some(Compression::Zstd)), ("lz4", Some(Compression::Lz4))];
 
-/// Writes the data of `flight.ulg` as CDR to bags with each compression. Only topics whose formats agree with
-/// `definitions` are written. Returns the number of messages.
-pub(crate) fn make(folder: &Path, definitions: &Path) -> Result<u64> {
-    let log = fs::read(folder.join("flight.ulg"))?;
+/// Writes the data of a log as CDR to bags with each compression. Only topics whose formats agree with `definitions` are
+/// written. Returns the number of messages.
+pub(crate) fn make(folder: &Path, log: &Path, definitions: &Path) -> Result<u64> {
+    let log = fs::read(log)?;
     let defined = types(definitions)?;
     let mut total = 0;
     for (name, compression) in BAGS {
@@ -78,7 +75,7 @@ fn copy(log: &[u8], definitions: &Path, defined: &Types, bag: &mut Writer<BufWri
                 let channel = bag.add_channel(schema, &topic, "cdr", &BTreeMap::new())?;
                 topics.insert(u16::from_le_bytes([*low, *high]), (ty, channel, 0));
             }
-            (b'D', [low, high, payload @ ..]) if count < MESSAGES => {
+            (b'D', [low, high, payload @ ..]) => {
                 let topic = topics.get_mut(&u16::from_le_bytes([*low, *high]));
                 let time = payload.first_chunk().map(|time| u64::from_le_bytes(*time) * 1_000);
                 let Some(((ty, channel_id, sequence), time)) = topic.zip(time) else { continue };

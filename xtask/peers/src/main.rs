@@ -104,14 +104,14 @@ fn roslibrust(path: &str) -> Result<u64> {
     Ok(paths.len() as u64)
 }
 
-/// Makes the bags and captures in a folder that contains logs. The second argument is the folder of the definitions.
+/// Makes bags and captures in a folder, from a log and the folder of its definitions.
 fn make(arguments: &[String]) -> Result<u64> {
-    let [folder, definitions] = arguments else { return Err(USAGE.into()) };
+    let [folder, log, definitions] = arguments else { return Err(USAGE.into()) };
     let folder = Path::new(folder);
     let file = |name: &str| File::create(folder.join(name)).map(BufWriter::new);
     capture::write_lines(LINES, &mut file("FailsafeFlags.jsonl")?)?;
     for each in REPORTS {
         capture::write_reports(STATES, each, &mut file(&format!("reports-{each}.jsonl"))?)?;
     }
-    bag::make(folder, Path::new(definitions))
+    bag::make(folder, Path::new(log), Path::new(definitions))
 }
