@@ -14,12 +14,10 @@ mod network;
 mod open;
 mod schemas;
 mod sqlite;
-mod stated;
 mod summary;
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::hash::{DefaultHasher, Hasher as _};
-use std::rc::Rc;
 use std::sync::Arc;
 
 use uavspec_capture::mcap::OWN;
@@ -31,7 +29,7 @@ use uavspec_model::{Detail, Extent, Findings, Location, Message};
 use uavspec_px4::comparison::{Comparison, compare_declared};
 use uavspec_px4::json::{Clean, Dialects, MessageOrigin, Plans, decode};
 use uavspec_px4::memory::FieldCounts;
-use uavspec_rules::definitions::Definitions;
+use uavspec_rules::definitions::{Definitions, plain_name};
 use uavspec_rules::px4;
 use uavspec_schema::source::Span;
 use uavspec_schema::{MessageId, derived_from};
@@ -48,12 +46,11 @@ pub use self::open::{BagChannel, Basis, ChannelResult, CheckStatus};
 use self::open::{Identity, Open, Reading};
 use self::schemas::{ComparedSchema, Schemas};
 pub(super) use self::sqlite::{CopiedFile, ROS1, SQLITE, copy};
-use self::stated::Stated;
 pub use self::summary::{BagSummary, McapSummary};
 use super::coverage::{Parts, Share, Unit};
 use super::release::{ReleaseMatch, release_matches};
 use super::summary::names;
-use super::topic::{confirms, definition_of, is_guess, is_same_type, plain};
+use super::topic::{confirms, definition_of, is_guess, is_same_type};
 use super::{CaptureResult, CheckRun, Logged, Summary};
 use crate::limits::{MAX_BAG_CHANNELS, MAX_BAG_FIELDS};
 
@@ -98,7 +95,7 @@ pub fn stated_type(
 ) -> StatedType {
     let is_same = if let Some((name, "ros2msg", text)) = schema
         && !text.is_empty()
-        && let Ok(stated) = Stated::read(name, text)
+        && let Ok(stated) = definitions.shared.stated(name, text)
     {
         compare_declared(stated.root(), definitions.types().get(definition)) == Comparison::Equal
     } else if let Some(stated) = metadata.get(HASH).filter(|hash| is_comparable(hash)) {
@@ -148,7 +145,7 @@ struct Channels<'d> {
     dialects: Dialects,
     /// The publishers and subscribers of a live vehicle.
     network: Network,
-    /// The field values of the current JSON message, in memory layout.
+    /// The field values of the current message, in memory layout.
     values: Vec<u8>,
 }
 
@@ -241,7 +238,7 @@ impl<'d> Channels<'d> {
         // An empty, invalid or unsupported schema doesn't describe the fields.
         let lacks_schema = !matches!(basis, Basis::Compared(_));
         (open.status, open.identity.version) = (CheckStatus::Checked(basis), version);
-        self.run.opened(&open.identity.channel());
+        open.subscribers = self.run.opened(&open.identity.channel());
         if is_json {
             self.plans
                 .get_or_insert_with(|| Plans::new(&definitions.schema, definitions.types(), &px4::VALUES));
@@ -300,7 +297,7 @@ impl<'d> Channels<'d> {
     /// Chooses the reader for the messages of a channel without a definition. They are checked against the channel's
     /// own schema.
     fn read_own(&mut self, open: &mut Open, declared: &Declared) {
-        let stated = match self.schemas.own(declared.schema) {
+        let stated = match self.schemas.own(declared.schema, self.run.definitions) {
             Ok(stated) => stated,
             Err(problem) => {
                 open.remark = problem;
@@ -312,12 +309,13 @@ impl<'d> Channels<'d> {
             open.remark =
                 Some(format!("the schema lacks {added}, so the built-in definitions of ROS 2 are used"));
         }
-        self.run.opened(&open.identity.channel());
+        open.subscribers = self.run.opened(&open.identity.channel());
         open.status = CheckStatus::OwnSchema;
-        let Some(check) = self.checker(open, TypeSource::Own(Rc::clone(&stated))) else { return };
+        let Some(check) = self.checker(open, TypeSource::Own(Arc::clone(&stated))) else { return };
         open.reading = Reading::Cdr(Box::new(check));
         // For an event of a service, captures contain the hash of the service.
-        let is_derived = open.schema.as_ref().is_some_and(|(name, _)| derived_from(&plain(name)).is_some());
+        let is_derived =
+            open.schema.as_ref().is_some_and(|(name, _)| derived_from(&plain_name(name)).is_some());
         if let Some(hash) = declared.metadata.get(HASH).filter(|hash| !is_derived && is_comparable(hash)) {
             self.run.findings.cover(&px4::HASH_01.rule, 1);
             if !hash.eq_ignore_ascii_case(&stated.type_hash) {
@@ -448,15 +446,16 @@ impl<'d> Channels<'d> {
                     Ok(payload) => payload,
                     Err(problem) => return self.run.gap(location, problem),
                 };
-                let wants_values = self.run.wants_values(channel.index);
-                let findings = &mut self.run.findings;
-                let checked = check.check(payload, wants_values, &channel, location, definitions, findings);
-                let Some(seen) = checked else { return self.run.lost(channel.index, location) };
+                let (memory, findings) = (&mut self.values, &mut self.run.findings);
+                let checked = check.check(payload, memory, &channel, location, definitions, findings);
+                let Some(seen) = checked else { return self.run.lost(open.subscribers, location) };
                 open.tally.count(true, None);
-                let observed = check.view(&seen, definitions);
+                self.run.include(sent(logged, seen.timestamp));
+                let view = || check.view(&self.values, definitions);
+                let observed = open.subscribers.want_values().then(view).flatten();
                 let values = observed.filter(|values| values.message_type().size().is_some());
                 let message = Message { timestamp: seen.timestamp, logged, values, location };
-                self.run.message(&channel, &message, observed);
+                self.run.message(open.subscribers, &channel, &message, observed);
             }
             Reading::Json(message_id, shared) => {
                 let Some(plans) = &self.plans else { return };
@@ -469,7 +468,7 @@ impl<'d> Channels<'d> {
                     shared: shared.as_deref(),
                 };
                 let ty = definitions.types().get(*message_id);
-                let size = ty.size().filter(|_| self.run.wants_values(channel.index));
+                let size = ty.size().filter(|_| open.subscribers.want_values());
                 self.values.clear();
                 self.values.resize(size.map_or(0, |size| size.padded), 0);
                 match check_message(plans, origin, payload, &mut self.values, &mut self.run.findings) {
@@ -477,13 +476,14 @@ impl<'d> Channels<'d> {
                     Ok(Clean { timestamp, dialects }) => {
                         self.dialects.absorb(dialects);
                         open.tally.count(true, None);
+                        self.run.include(sent(logged, timestamp));
                         let view = || ty.view_uorb(&self.values).ok();
                         let values = (!self.values.is_empty()).then(view).flatten();
-                        let is_decoded = values.is_none() && self.run.observes_values(channel.index);
+                        let is_decoded = values.is_none() && open.subscribers.observe_values();
                         let decoded = is_decoded.then(|| decoded(payload, ty)).flatten();
                         let observed = values.or(decoded.as_ref().map(DynamicMessage::view));
                         let message = Message { timestamp, logged, values, location };
-                        self.run.message(&channel, &message, observed);
+                        self.run.message(open.subscribers, &channel, &message, observed);
                     }
                 }
             }
@@ -504,6 +504,11 @@ impl<'d> Channels<'d> {
         let content = BagContent { channels, dialects: self.dialects, releases, bus };
         self.run.finish(bytes, summarize(content), Unit::Topic, parts)
     }
+}
+
+/// The time span of a message whose log time is unknown: its timestamp, in µs.
+fn sent(logged: Option<u64>, timestamp: Option<u64>) -> Option<[u64; 2]> {
+    timestamp.filter(|timestamp| logged.is_none() && *timestamp > 0).map(|timestamp| [timestamp; 2])
 }
 
 /// Checks a JSON message. Stores the field values in `values`, or clears `values` if there are findings. Fails if the

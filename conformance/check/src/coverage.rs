@@ -232,6 +232,7 @@ impl Tally {
     }
 
     /// Counts a decoded record, and its time in µs.
+    #[inline]
     pub(super) fn count(&mut self, is_checked: bool, time: Option<u64>) {
         self.decoded += 1;
         self.checked += u64::from(is_checked);
@@ -239,12 +240,18 @@ impl Tally {
     }
 
     /// Counts a time in µs. A time of 0 is unknown.
+    #[inline]
     pub(super) fn time(&mut self, time: Option<u64>) {
         if let Some(time) = time.filter(|time| *time > 0) {
             self.first = Some(self.first.map_or(time, |first| first.min(time)));
             self.last = self.last.max(time);
             self.timed += 1;
         }
+    }
+
+    /// The first and the last time, in µs.
+    pub(super) fn span(&self) -> Option<[u64; 2]> {
+        self.first.map(|first| [first, self.last])
     }
 
     /// The mean number of records per second, with three decimals.

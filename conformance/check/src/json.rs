@@ -25,6 +25,7 @@ pub(crate) use self::envelope::{Form, NameKind, Names, form};
 use super::coverage::{PartResult, Parts, Share, Tally, Unit};
 use super::flockwave::{FlockwaveChecker, is_flockwave};
 use super::release::{ComparedTopic, ReleaseMatch, release_line, release_matches};
+use super::run::Subscribers;
 use super::summary::names;
 use super::topic::{definition_of, definition_of_json, shows_type, topic_of};
 use super::{CaptureResult, CheckRun, Describe, Kind, Line, Summary, Totals};
@@ -312,7 +313,7 @@ impl<'d> JsonChecker<'d> {
     /// such values.
     fn needs_tree(&self, at: usize) -> bool {
         let open = &self.channels.open[at];
-        open.num_bytes == 0 && open.defined.is_some_and(|(_, index)| self.run.observes_values(index))
+        open.num_bytes == 0 && open.subscribers.observe_values()
     }
 
     /// Stores the stated type of a topic.
@@ -333,7 +334,7 @@ impl<'d> JsonChecker<'d> {
         let timestamp = self.plans.timestamp(id, tree);
         // A message with findings may have other wrong values, so its values aren't passed to stateful rules.
         self.values.clear();
-        let decoded = if open.defined.is_some_and(|(_, index)| self.run.observes_values(index)) {
+        let decoded = if open.subscribers.observe_values() {
             decode(tree, self.run.definitions.types().get(id), is_rosbridge).ok()
         } else {
             None
@@ -355,12 +356,13 @@ impl<'d> JsonChecker<'d> {
         let open = &mut self.channels.open[at];
         open.tally.records += 1;
         open.tally.count(open.defined.is_some(), clean.timestamp);
+        let subscribers = open.subscribers;
         if let Some(channel) = open.channel() {
             let definitions = self.run.definitions;
             let view = |id| definitions.types().get(id).view_uorb(&self.values).ok();
             let values = channel.definition.filter(|_| !self.values.is_empty()).and_then(view);
             let message = Message { timestamp: clean.timestamp, logged: None, values, location };
-            self.run.message(&channel, &message, values.or(observed));
+            self.run.message(subscribers, &channel, &message, values.or(observed));
         }
     }
 
@@ -392,13 +394,15 @@ impl<'d> JsonChecker<'d> {
             key,
             is_decided: false,
             has_keys: false,
+            subscribers: Subscribers::default(),
             tally: Tally::default(),
             num_bytes: 0,
             line,
         };
         if let Some(channel) = open.channel() {
-            self.run.opened(&channel);
-            if self.run.wants_values(channel.index) {
+            let subscribers = self.run.opened(&channel);
+            open.subscribers = subscribers;
+            if subscribers.want_values() {
                 let size = definition.and_then(|id| self.run.definitions.types().get(id).size());
                 open.num_bytes = size.map_or(0, |size| size.padded);
             }
@@ -418,6 +422,7 @@ impl<'d> JsonChecker<'d> {
         let (mut undefined, mut parts) = (BTreeSet::new(), Parts::default());
         for open in self.channels.open {
             let tally = open.tally;
+            self.run.include(tally.span());
             let (result, values) = match open.defined {
                 Some((id, _)) => {
                     let fields = self.run.definitions.schema.message(id).fields.len() as u64;

@@ -114,7 +114,7 @@ impl Read for Source<'_> {
 /// Chooses the definitions for a recording that is still being written.
 pub fn choose_for_recording(path: &Path, library: &Library) -> io::Result<Arc<Definitions>> {
     Ok(if library.depends_on_capture() {
-        library.choose(&bag::recording_clues(path)?)
+        library.choose(&bag::recording_clues(path, library.shared())?)
     } else {
         Arc::clone(library.base())
     })
@@ -338,7 +338,8 @@ fn check_path_with(
     reading: Reading<'_>,
 ) -> io::Result<Checked> {
     if let Some(folder) = metadata::folder_of(path) {
-        let clues = if library.depends_on_capture() { bag::folder_clues(folder) } else { Clues::default() };
+        let clues = || bag::folder_clues(folder, library.shared());
+        let clues = library.depends_on_capture().then(clues).unwrap_or_default();
         let definitions = library.choose(&clues);
         let result = bag::check_folder(folder, CheckRun::observed_by(&definitions, observer), reading)?;
         return Ok(Checked { result, definitions });

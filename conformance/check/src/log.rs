@@ -12,8 +12,9 @@ use uavspec_capture::ulog::{Event, Item, Log, LogProblem, Problem, Reader, Recor
 use uavspec_capture::{ENCRYPTED_MAGIC, ULOG_MAGIC};
 use uavspec_dynamic::{FormatProblem, MessageType};
 use uavspec_model::text::{plural, shown, thousands};
-use uavspec_model::{Channel, Detail, Extent, Findings, Location, Message, Rule, SubjectName};
+use uavspec_model::{Channel, Detail, Extent, Location, Message, Rule, SubjectName};
 use uavspec_px4::comparison::Comparison;
+use uavspec_px4::memory::Plan;
 use uavspec_rules::definitions::{Definitions, FormatPlan, Library};
 use uavspec_rules::px4;
 use uavspec_schema::MessageId;
@@ -21,6 +22,7 @@ use uavspec_schema::limits::MAX_EVENTS_LEN;
 
 use super::coverage::{PartResult, Parts, Share, Tally, Unit};
 use super::release::{ComparedTopic, ReleaseMatch, release_lines, release_matches};
+use super::run::Subscribers;
 use super::{CaptureResult, CheckRun, Describe, Kind, Line, Summary, Totals, has_magic};
 use crate::limits::MAX_LOG_FIELDS;
 
@@ -226,6 +228,7 @@ struct Open {
     multi_id: u8,
     offset: u64,
     definition: Option<MessageId>,
+    subscribers: Subscribers,
     /// Set when the first message arrives.
     format: Option<TopicFormat>,
     tally: Tally,
@@ -239,8 +242,8 @@ struct TopicFormat {
     /// The offset of the subscription.
     offset: u64,
     plan: Arc<FormatPlan>,
-    /// True if the values are checked. False if there are too many fields.
-    has_values: bool,
+    /// The checks of the values. `None` if there is no data, or if there are too many fields.
+    values: Option<Arc<Plan>>,
 }
 
 struct LogChecker<'d> {
@@ -360,7 +363,7 @@ impl<'d> LogChecker<'d> {
         }
         let record = log.take(item, &mut |offset, problem| self.report_problem(offset, &problem));
         if let Some(record) = record {
-            self.record(&record, item.offset);
+            self.record(id, &record, item.offset);
         }
     }
 
@@ -378,20 +381,21 @@ impl<'d> LogChecker<'d> {
             self.several.insert(topic.to_owned());
         }
         let index = before.as_ref().map_or_else(|| self.run.number_channel(), |before| before.index);
-        let open = Open {
+        let mut open = Open {
             index,
             topic: topic.to_owned(),
             multi_id,
             offset,
             definition: self.run.definitions.message_of_logged_topic(topic),
+            subscribers: Subscribers::default(),
             format: None,
             tally: Tally::default(),
             unpublished: 0,
         };
-        self.run.opened(&open.channel());
+        open.subscribers = self.run.opened(&open.channel());
         self.open[slot] = Some(Box::new(open));
         if let Some(before) = before {
-            before.close(&mut self.run.findings, &mut self.parts);
+            before.close(&mut self.run, &mut self.parts);
         }
     }
 
@@ -403,8 +407,9 @@ impl<'d> LogChecker<'d> {
         }
     }
 
-    fn record(&mut self, record: &Record<'_>, offset: u64) {
-        let Some(Some(open)) = self.open.get_mut(usize::from(record.subscription.id)) else { return };
+    #[inline]
+    fn record(&mut self, id: u16, record: &Record<'_>, offset: u64) {
+        let Some(Some(open)) = self.open.get_mut(usize::from(id)) else { return };
         let location = Location::Byte(offset);
         let subject = SubjectName { name: &open.topic, instance: Some(open.multi_id) };
         let format = match &mut open.format {
@@ -416,33 +421,33 @@ impl<'d> LogChecker<'d> {
                     // Once a topic doesn't fit, the values of later topics aren't checked.
                     let rest = self.room.checked_sub(plan.all_fields.max(1));
                     self.room = rest.unwrap_or(0);
-                    TopicFormat { offset: open.offset, plan, has_values: rest.is_some() }
+                    let values = rest.map(|_| plan.values(record.message_type, self.run.definitions));
+                    TopicFormat { offset: open.offset, plan, values }
                 });
                 empty.insert(format.clone())
             }
         };
         let plan = &format.plan;
         let time_at = |offset: Option<usize>| {
-            let bytes = offset.and_then(|at| record.payload.get(at..at + 8))?;
-            Some(u64::from_le_bytes(bytes.try_into().ok()?))
+            let bytes = record.payload.get(offset?..)?;
+            Some(u64::from_le_bytes(*bytes.first_chunk()?))
         };
         let timestamp = time_at(plan.timestamp);
         // Older PX4 releases log topics that were never published. Their memory is empty, so no value has a meaning.
         let is_published = timestamp != Some(0) || record.payload.iter().any(|byte| *byte != 0);
-        if format.has_values && is_published {
-            let values = plan.values(record.message_type, self.run.definitions);
+        if let Some(values) = format.values.as_ref().filter(|_| is_published) {
             values.check(record.payload, subject, location, &mut self.run.findings);
         }
         self.latest = Some(location);
         if let Some((timestamp, utc)) = timestamp.zip(time_at(plan.utc)) {
             self.run.clock.set_utc(timestamp, utc);
         }
-        open.tally.count(open.definition.is_some() && format.has_values, self.run.logged(timestamp));
+        open.tally.count(open.definition.is_some() && format.values.is_some(), self.run.logged(timestamp));
         open.unpublished += u64::from(!is_published);
-        let wants_values = self.run.wants_values(open.index);
-        let values = wants_values.then(|| record.message_type.view_uorb(record.payload).ok()).flatten();
+        let view = || record.message_type.view_uorb(record.payload).ok();
+        let values = open.subscribers.want_values().then(view).flatten();
         let message = Message { timestamp, logged: None, values: values.filter(|_| is_published), location };
-        self.run.message(&open.channel(), &message, values);
+        self.run.message(open.subscribers, &open.channel(), &message, values);
     }
 
     /// Reports a problem with a format, a subscription or a size. If a rule covers the problem, it is a violation of
@@ -478,10 +483,10 @@ impl<'d> LogChecker<'d> {
                 self.run.findings.report(&px4::FMT_02.rule, name, location, definition, || detail);
             }
             LogProblem::MissingFormat { id } | LogProblem::UnusableFormat { id } => {
-                match known(&self.open, *id).map(|open| open.index) {
-                    Some(index) => {
+                match known(&self.open, *id).map(|open| open.subscribers) {
+                    Some(subscribers) => {
                         self.run.corrupt_part(location, problem.to_string(), Extent::Whole);
-                        self.run.lost(index, location);
+                        self.run.lost(subscribers, location);
                     }
                     None => self.run.corruption(location, problem.to_string(), Extent::Whole),
                 }
@@ -501,12 +506,12 @@ impl<'d> LogChecker<'d> {
         };
         let definition = open.definition.map(|id| self.run.definitions.schema.message(id).span);
         self.run.findings.report(rule, open.channel().subject(), location, definition, || detail);
-        self.run.lost(open.index, location);
+        self.run.lost(open.subscribers, location);
     }
 
     fn finish(mut self, log: &Log, bytes: u64) -> CaptureResult {
         for open in std::mem::take(&mut self.open).into_iter().flatten() {
-            open.close(&mut self.run.findings, &mut self.parts);
+            open.close(&mut self.run, &mut self.parts);
         }
         for rule in [&px4::DATA_01.rule, &px4::DATA_02.rule] {
             self.run.findings.cover(rule, self.run.records);
@@ -562,18 +567,18 @@ impl Open {
         }
     }
 
-    fn close(self, findings: &mut Findings, parts: &mut Parts) {
+    fn close(self, run: &mut CheckRun<'_>, parts: &mut Parts) {
         let Self { topic, tally, format, unpublished, .. } = self;
         let (mut result, mut fields) = (PartResult::Checked, Share::default());
-        if let Some(TopicFormat { plan, has_values, .. }) = format {
+        if let Some(TopicFormat { plan, values, .. }) = format {
             let (shared, all) = plan.fields;
-            fields = Share::of(if has_values { shared } else { 0 }, all);
-            if has_values {
-                plan.count(tally.decoded - unpublished, findings);
-            } else {
-                result = PartResult::TooMany;
+            fields = Share::of(if values.is_some() { shared } else { 0 }, all);
+            match values {
+                Some(values) => values.count(tally.decoded - unpublished, &mut run.findings),
+                None => result = PartResult::TooMany,
             }
         }
+        run.include(tally.span());
         parts.add(&topic, result, tally, fields.times(tally.checked, tally.records));
     }
 }
@@ -621,7 +626,7 @@ fn formats(
         if let Entry::Vacant(new) = formats.entry(format.name().to_owned()) {
             let plan = run.definitions.plan(format, log.compiled());
             check_timestamp(format, &plan, Location::Byte(offset), run);
-            new.insert(TopicFormat { offset, plan, has_values: false });
+            new.insert(TopicFormat { offset, plan, values: None });
         }
     }
     for (topic, TopicFormat { offset, plan, .. }) in &formats {

@@ -33,8 +33,8 @@ pub(super) struct CheckRun<'d> {
     listeners: Listeners<'d>,
     /// Receives the records in addition to the rules.
     pub(super) observer: Option<&'d mut dyn Observer>,
-    /// The subscribers of each channel, by channel index.
-    channels: Vec<Subscribers>,
+    /// The number of channels.
+    channels: usize,
     pub(super) sessions: Sessions,
     pub(super) records: u64,
     pub(super) checked: u64,
@@ -83,16 +83,40 @@ struct Follower {
 }
 
 /// The rules and the observer that receive the messages of a channel.
-#[derive(Default)]
-struct Subscribers {
-    /// The indices of the [`Follower`]s that receive the channel's messages.
-    followers: Vec<usize>,
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Subscribers {
+    /// The [`Follower`]s that receive the channel's messages: a bit for each index.
+    followers: u64,
     /// The highest [`Interest`] among these followers and the observer.
     interest: Interest,
     /// The interest of the observer in the channel.
     observed: Interest,
     /// The timeline topic that the channel carries.
     topic: Option<&'static str>,
+}
+
+const _: () = assert!(px4::RULES.len() <= u64::BITS as usize, "each rule needs a bit");
+
+impl Subscribers {
+    /// True if a rule or the observer needs the field values of the messages.
+    pub(super) fn want_values(self) -> bool {
+        self.interest == Interest::Values
+    }
+
+    /// True if the observer needs the field values of the messages.
+    pub(super) fn observe_values(self) -> bool {
+        self.observed == Interest::Values
+    }
+
+    /// The indices of the followers.
+    fn indices(self) -> impl Iterator<Item = usize> {
+        let mut left = self.followers;
+        std::iter::from_fn(move || {
+            let index = left.trailing_zeros() as usize;
+            left &= left.checked_sub(1)?;
+            Some(index)
+        })
+    }
 }
 
 impl Follower {
@@ -120,7 +144,7 @@ impl<'d> CheckRun<'d> {
             followers: followers.collect(),
             listeners: Listeners::new(definitions),
             observer: None,
-            channels: Vec::new(),
+            channels: 0,
             sessions: Sessions::default(),
             records: 0,
             checked: 0,
@@ -155,8 +179,8 @@ impl<'d> CheckRun<'d> {
 
     /// Reserves the index of a new channel.
     pub(super) fn number_channel(&mut self) -> usize {
-        self.channels.push(Subscribers::default());
-        self.channels.len() - 1
+        self.channels += 1;
+        self.channels - 1
     }
 
     /// Uses the event metadata of the capture, if it is valid. Returns the problem with the metadata, if any. `stated` is the
@@ -196,7 +220,7 @@ impl<'d> CheckRun<'d> {
         }
     }
 
-    pub(super) fn opened(&mut self, channel: &Channel<'_>) {
+    pub(super) fn opened(&mut self, channel: &Channel<'_>) -> Subscribers {
         let topic = topic_name(channel, self.definitions);
         // Only the values of a reply show whether it contains events.
         let interest = if topic == Some(REPLY) { Interest::Values } else { Interest::Nothing };
@@ -205,7 +229,7 @@ impl<'d> CheckRun<'d> {
             let (checker, mut context) = follower.parts(self.definitions, &self.events, &mut self.findings);
             let interest = checker.opened(channel, &mut context);
             if interest > Interest::Nothing {
-                subscribers.followers.push(at);
+                subscribers.followers |= 1 << at;
                 subscribers.interest = subscribers.interest.max(interest);
             }
         }
@@ -213,7 +237,7 @@ impl<'d> CheckRun<'d> {
             subscribers.observed = observer.opened(channel, self.definitions);
             subscribers.interest = subscribers.interest.max(subscribers.observed);
         }
-        self.channels[channel.index] = subscribers;
+        subscribers
     }
 
     /// Handles an open channel whose messages aren't read, because their release is unknown.
@@ -234,36 +258,22 @@ impl<'d> CheckRun<'d> {
         self.followers.iter_mut().for_each(|follower| follower.checker.started(time));
     }
 
-    /// True if a rule or the observer needs the field values of a channel's messages.
-    pub(super) fn wants_values(&self, channel: usize) -> bool {
-        self.channels[channel].interest == Interest::Values
-    }
-
-    /// True if the observer needs the field values of a channel's messages.
-    pub(super) fn observes_values(&self, channel: usize) -> bool {
-        self.channels[channel].observed == Interest::Values
-    }
-
     /// Passes a message to the rules of its channel. The message's values have already been checked. `observed` are
     /// values that only the observer receives: rules receive no values of messages whose size varies, of JSON messages
     /// with findings, or of topics that were never published.
     pub(super) fn message(
         &mut self,
+        subscribers: Subscribers,
         channel: &Channel<'_>,
         message: &Message<'_>,
         observed: Option<DynamicView<'_>>,
     ) {
         self.checked += 1;
-        // A log time of 0 is unknown.
-        if self.record_time.unwrap_or_default() == 0 {
-            self.include_timestamp(message.timestamp);
-        }
-        let subscribers = &self.channels[channel.index];
         self.has_events |=
             subscribers.topic.is_some_and(|topic| contains_events(topic, observed.or(message.values)));
-        for at in &subscribers.followers {
+        for at in subscribers.indices() {
             let (checker, mut context) =
-                self.followers[*at].parts(self.definitions, &self.events, &mut self.findings);
+                self.followers[at].parts(self.definitions, &self.events, &mut self.findings);
             checker.message(channel, message, &mut context);
         }
         if let Some(observer) = &mut self.observer {
@@ -291,7 +301,7 @@ impl<'d> CheckRun<'d> {
     /// of messages then don't count, because they may refer to another clock.
     pub(super) fn record_at(&mut self, time: u64) {
         self.record_time = Some(time);
-        self.include_timestamp(Some(time));
+        self.include(self.logged(Some(time)).map(|time| [time; 2]));
         self.clock.start(time);
         self.clock.set_utc(time, time);
     }
@@ -302,11 +312,11 @@ impl<'d> CheckRun<'d> {
         timestamp.filter(|timestamp| *timestamp > 0 && self.start.is_none_or(|start| *timestamp >= start))
     }
 
-    /// Extends the time span to include a timestamp in µs.
-    fn include_timestamp(&mut self, timestamp: Option<u64>) {
-        if let Some(timestamp) = self.logged(timestamp) {
-            self.first = Some(self.first.map_or(timestamp, |first| first.min(timestamp)));
-            self.last = self.last.max(timestamp);
+    /// Extends the time span to include the first and the last time of records, in µs.
+    pub(super) fn include(&mut self, span: Option<[u64; 2]>) {
+        if let Some([first, last]) = span {
+            self.first = Some(self.first.map_or(first, |known| known.min(first)));
+            self.last = self.last.max(last);
         }
     }
 
@@ -405,10 +415,10 @@ impl<'d> CheckRun<'d> {
     }
 
     /// Handles an unreadable message on a channel. Notifies stateful rules, which may depend on the message.
-    pub(super) fn lost(&mut self, channel: usize, location: Location) {
+    pub(super) fn lost(&mut self, subscribers: Subscribers, location: Location) {
         self.place(location, None);
-        for at in &self.channels[channel].followers {
-            self.followers[*at].checker.corruption(location);
+        for at in subscribers.indices() {
+            self.followers[at].checker.corruption(location);
         }
     }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use uavspec_model::json::Tree;
-use uavspec_rules::definitions::{Definitions, is_exchanged};
+use uavspec_rules::definitions::{Definitions, is_exchanged, plain_name};
 use uavspec_schema::fingerprint::ros_name;
 use uavspec_schema::{Message, MessageId, Schema};
 
@@ -37,7 +37,7 @@ pub fn definition_of(
 ) -> Option<MessageId> {
     let by_topic = || message_of(topic_of(topic), definitions);
     let Some((name, encoding)) = schema.filter(|(name, _)| !name.is_empty()) else { return by_topic() };
-    let name = plain(name);
+    let name = plain_name(name);
     if let Some(id) = definitions.message_of_type(&name) {
         return Some(id);
     }
@@ -68,7 +68,8 @@ pub fn definition_of_json(
 /// Outside of PX4's folders, other programs also use names such as `battery_status`. Definitions that the user passes
 /// belong to the capture, so their names aren't ambiguous.
 pub fn is_guess(topic: &str, schema: Option<(&str, &str)>, id: MessageId, definitions: &Definitions) -> bool {
-    let states_type = schema.is_some_and(|(name, _)| definitions.message_of_type(&plain(name)) == Some(id));
+    let states_type =
+        schema.is_some_and(|(name, _)| definitions.message_of_type(&plain_name(name)) == Some(id));
     !states_type && !is_exchanged(topic) && !definitions.is_given
 }
 
@@ -95,21 +96,13 @@ pub fn confirms(message: &Tree<'_>, id: MessageId, definitions: &Definitions) ->
 /// True if a schema name denotes a ROS 2 message.
 pub(super) fn is_same_type(name: &str, message: &Message, schema: &Schema) -> bool {
     let full = ros_name(schema, message);
-    let name = plain(name);
+    let name = plain_name(name);
     name == full || full.replacen("/msg/", "/", 1) == name
-}
-
-/// Converts a DDS type name such as `px4_msgs::msg::dds_::VehicleStatus_` to a ROS 2 name.
-pub(super) fn plain(name: &str) -> String {
-    match name.strip_suffix('_') {
-        Some(dds) if dds.contains("::dds_::") => dds.replacen("::dds_::", "::", 1).replace("::", "/"),
-        _ => name.replace("::", "/"),
-    }
 }
 
 /// The full ROS name of a type: `package/msg/Name`. For a service event, the name of the service.
 pub(super) fn full_name(name: &str) -> String {
-    let name = plain(name);
+    let name = plain_name(name);
     match name.split_once('/') {
         Some((package, last)) if !last.contains('/') => format!("{package}/msg/{last}"),
         _ => service_of(&name).map(str::to_owned).unwrap_or(name),

@@ -14,6 +14,7 @@ mod index;
 mod library;
 mod released;
 mod shared;
+mod stated;
 
 use std::collections::{BTreeSet, HashMap};
 use std::fmt;
@@ -41,6 +42,7 @@ pub use self::library::{Library, ros_package};
 pub(crate) use self::released::{ReleasedType, released_type};
 use self::shared::FormatPlans;
 pub use self::shared::{CapturedEvents, FormatPlan, Shared};
+pub use self::stated::{Stated, plain_name};
 use crate::limits::MAX_PLANS;
 
 /// The prefix of the line that states the version of a message in a release.

@@ -58,5 +58,10 @@ pub(crate) const MAX_STORED: usize = 8;
 pub(crate) const MAX_PLANS: usize = 2;
 pub(crate) const MAX_SHARED_FIELDS: usize = 1 << 10;
 
+/// The maximum size of the schemas in bags that stay in memory, in bytes, and the maximum number of such schemas. The bags of
+/// a vehicle have up to about a hundred. Types take up to fifty times as much memory as their text.
+pub(crate) const MAX_SHARED_SCHEMA: usize = 16 << 10;
+pub(crate) const MAX_SHARED_SCHEMAS: usize = 128;
+
 /// The maximum number of captured event metadata that stay in memory.
 pub(crate) const MAX_SHARED_EVENTS: usize = 8;

@@ -186,18 +186,20 @@ impl Log {
         payload: &'l [u8],
         on_problem: OnProblem<'_>,
     ) -> Option<Record<'l>> {
-        if self.bound(id).is_none() {
-            self.bind(offset, id, on_problem);
+        if self.fitting(id, payload).is_none() {
+            self.bind(offset, id, payload, on_problem);
         }
-        let (subscription, type_id, size) = self.bound(id)?;
-        let found = payload.len();
-        if found != size.padded && found != size.no_padding {
-            let Size { padded, no_padding } = size;
-            on_problem(offset, LogProblem::DataSize { id, padded, no_padding, found });
-            return None;
-        }
+        let (subscription, type_id) = self.fitting(id, payload)?;
         let message_type = self.compiled.types.get(type_id);
         Some(Record { subscription, message_type, compiled: &self.compiled, payload })
+    }
+
+    /// The subscription of an id with the type of its data, if the payload has the size of this type.
+    #[inline]
+    fn fitting(&self, id: u16, payload: &[u8]) -> Option<(&Subscription, MessageId)> {
+        let (subscription, type_id, size) = self.bound(id)?;
+        let fits = [size.padded, size.no_padding].contains(&payload.len());
+        fits.then_some((subscription, type_id))
     }
 
     /// The subscription of an id with the type of its data, if the id is subscribed and has a type.
@@ -210,9 +212,9 @@ impl Log {
         }
     }
 
-    /// Finds the type of an id's data, or reports why there is none.
+    /// Finds the type of an id's data, or reports why there is none or why the payload doesn't fit.
     #[cold]
-    fn bind(&mut self, offset: u64, id: u16, on_problem: OnProblem<'_>) {
+    fn bind(&mut self, offset: u64, id: u16, payload: &[u8], on_problem: OnProblem<'_>) {
         self.end_definitions(on_problem);
         let Some(subscription) = self.subscription(id) else {
             self.orphans.entry(id).or_insert(Orphans { first: offset, count: 0 }).count += 1;
@@ -233,7 +235,12 @@ impl Log {
             }
         }
         match binding {
-            Binding::Type { .. } => {}
+            Binding::Type { size: Size { padded, no_padding }, .. } => {
+                let found = payload.len();
+                if found != padded && found != no_padding {
+                    on_problem(offset, LogProblem::DataSize { id, padded, no_padding, found });
+                }
+            }
             Binding::None { is_missing: true, .. } => on_problem(offset, LogProblem::MissingFormat { id }),
             Binding::None { is_missing: false, .. } => on_problem(offset, LogProblem::UnusableFormat { id }),
         }

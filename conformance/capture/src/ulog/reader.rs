@@ -83,9 +83,9 @@ struct Sections {
 }
 
 impl<R: Read> Reader<R> {
-    /// The buffer size in bytes, independent of the log size. It is larger than the lookahead, so that each byte is
-    /// moved only once or twice. The buffer fits into the L2 cache of most machines.
-    pub const CAPACITY: usize = 512 * 1024;
+    /// The buffer size in bytes, independent of the log size. It leaves most of the L2 cache to the caller. The buffer grows
+    /// once the reader looks ahead.
+    pub const CAPACITY: usize = 128 * 1024;
 
     /// The maximum number of bytes that the reader looks ahead after a suspicious message.
     pub const LOOKAHEAD: usize = LOOKAHEAD;

@@ -49,13 +49,14 @@ pub(super) enum Beginning {
 
 /// The subscribed ids, each with the size of its messages. All messages of a topic have the same size, so a different
 /// size is suspicious: a message with a wrong size may end at the start of another message by chance.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Ids {
-    sizes: Box<[u16]>,
+    sizes: Vec<u16>,
     /// Sizes that differ from the known size and occurred only once. A size that occurs twice in a row replaces the
     /// known size.
     doubtful: BTreeMap<u16, u16>,
-    is_empty: bool,
+    /// True if an id was subscribed.
+    is_subscribed: bool,
 }
 
 /// The placeholder size for ids without a subscription.
@@ -64,28 +65,21 @@ const UNSUBSCRIBED: u16 = 0;
 /// The placeholder size for ids without messages. Real data contains at least the two bytes of its id.
 const UNSEEN: u16 = 1;
 
-impl Default for Ids {
-    fn default() -> Self {
-        let sizes = vec![UNSUBSCRIBED; usize::from(u16::MAX) + 1].into_boxed_slice();
-        Self { sizes, doubtful: BTreeMap::new(), is_empty: true }
-    }
-}
-
 impl Ids {
     /// Adds a subscribed id.
     pub(super) fn subscribe(&mut self, id: u16) {
-        self.sizes[usize::from(id)] = UNSEEN;
+        *self.size_mut(id) = UNSEEN;
         self.doubtful.remove(&id);
-        self.is_empty = false;
+        self.is_subscribed = true;
     }
 
     /// Updates the known size for an id after a message with that id.
     pub(super) fn see(&mut self, id: u16, size: u16) {
-        let usual = &mut self.sizes[usize::from(id)];
-        if *usual == UNSUBSCRIBED || *usual == size {
+        let usual = self.size_of(id);
+        if usual == UNSUBSCRIBED || usual == size {
             self.doubtful.remove(&id);
-        } else if *usual == UNSEEN || self.doubtful.insert(id, size) == Some(size) {
-            *usual = size;
+        } else if usual == UNSEEN || self.doubtful.insert(id, size) == Some(size) {
+            *self.size_mut(id) = size;
         }
     }
 
@@ -98,18 +92,31 @@ impl Ids {
     /// True if messages with this id have this size.
     #[inline]
     pub(super) fn expect(&self, size: u16, id: u16) -> bool {
-        size > UNSEEN && self.sizes[usize::from(id)] == size
+        size > UNSEEN && self.size_of(id) == size
     }
 
     /// The known size of messages with the id at the start of `payload`.
     fn size(&self, payload: &[u8]) -> u16 {
-        payload.first_chunk().map_or(UNSUBSCRIBED, |id| self.sizes[usize::from(u16::from_le_bytes(*id))])
+        payload.first_chunk().map_or(UNSUBSCRIBED, |id| self.size_of(u16::from_le_bytes(*id)))
+    }
+
+    #[inline]
+    fn size_of(&self, id: u16) -> u16 {
+        self.sizes.get(usize::from(id)).copied().unwrap_or(UNSUBSCRIBED)
+    }
+
+    fn size_mut(&mut self, id: u16) -> &mut u16 {
+        let id = usize::from(id);
+        if id >= self.sizes.len() {
+            self.sizes.resize(id + 1, UNSUBSCRIBED);
+        }
+        &mut self.sizes[id]
     }
 
     /// True if a message with the id at the start of `payload` is possible: the id is subscribed and the size of its
     /// messages is unknown, or no ids are subscribed.
     fn allow(&self, payload: &[u8]) -> bool {
-        self.is_empty || self.size(payload) == UNSEEN
+        !self.is_subscribed || self.size(payload) == UNSEEN
     }
 }
 

@@ -10,6 +10,9 @@ fn size() -> u64 {
     extent(64 << 20, 6 << 20)
 }
 
+/// The largest buffer, which has room to look ahead.
+const MAX_CAPACITY: usize = 4 * Reader::<&[u8]>::CAPACITY;
+
 /// A reader that returns some bytes and then repeats a pattern, up to a size.
 struct Endless {
     start: Vec<u8>,
@@ -51,8 +54,8 @@ fn count(start: Vec<u8>, pattern: &[u8]) -> (u64, Vec<Problem>) {
         }
         records += u64::from(log.take(&item, &mut |_, problem| panic!("{problem}")).is_some());
     }
-    assert_eq!(reader.capacity(), Reader::<&[u8]>::CAPACITY);
-    assert!(input.largest_request <= Reader::<&[u8]>::CAPACITY);
+    assert!(reader.capacity() <= MAX_CAPACITY, "{} bytes", reader.capacity());
+    assert!(input.largest_request <= MAX_CAPACITY);
     assert_eq!(input.position, size());
     (records, problems)
 }

@@ -2,28 +2,25 @@
 
 use std::borrow::Cow;
 use std::io::Read as _;
-use std::rc::Rc;
+use std::sync::Arc;
 
 use uavspec_capture::input::zstd::{self, MAGIC as ZSTD};
 use uavspec_capture::limits::MAX_RECORD;
-use uavspec_dynamic::{DynamicMessage, DynamicView, MessageType};
+use uavspec_dynamic::{DynamicView, MessageType};
 use uavspec_model::{Channel, Detail, Findings, Location, Rule, hexadecimal};
 use uavspec_px4::memory::{Plan, shared_fields, time_offset};
-use uavspec_rules::definitions::Definitions;
+use uavspec_rules::definitions::{Definitions, Stated};
 use uavspec_rules::px4;
 use uavspec_runtime::cdr::{ByteOrder, HEADER};
 use uavspec_schema::msg::{Dialect, Kind};
 use uavspec_schema::{Form, MessageId};
 
-use super::Stated;
 use crate::coverage::Share;
 
 /// A decoded message.
 pub(super) struct Seen {
     /// The value of the `timestamp` field, if there is one.
     pub(super) timestamp: Option<u64>,
-    /// The field values in memory layout, if they are needed.
-    pub(super) memory: Option<Vec<u8>>,
 }
 
 /// The source of the type of a channel's messages.
@@ -32,9 +29,9 @@ pub(super) enum TypeSource {
     /// The definition, which equals the schema in the file if there is one.
     Definition(MessageId),
     /// The schema in the file, which differs from the definition.
-    Differing(Rc<Stated>, MessageId),
+    Differing(Arc<Stated>, MessageId),
     /// The schema in the file. There is no definition.
-    Own(Rc<Stated>),
+    Own(Arc<Stated>),
 }
 
 impl TypeSource {
@@ -106,11 +103,11 @@ impl CdrChecker {
         (is_px4 && message.kind == Kind::Message).then_some(self.timestamp.is_none())
     }
 
-    /// Checks a payload. Returns `None` if it can't be decoded.
+    /// Checks a payload, and stores the field values in `memory`. Returns `None` if the payload can't be decoded.
     pub(super) fn check(
         &mut self,
         payload: &[u8],
-        wants_values: bool,
+        memory: &mut Vec<u8>,
         channel: &Channel<'_>,
         location: Location,
         definitions: &Definitions,
@@ -141,33 +138,29 @@ impl CdrChecker {
                 return None;
             }
         }
-        let source = self.source.clone();
-        let message = match source.message_type(definitions).decode_cdr(payload) {
+        let message_type = self.source.message_type(definitions);
+        let message = match message_type.decode_cdr_in(payload, std::mem::take(memory)) {
             Ok(message) => message,
             Err(error) => {
                 report(&px4::CDR_02.rule, Detail::new(error.to_string()));
                 return None;
             }
         };
-        self.messages += 1;
         self.plan.check(message.memory(), channel.subject(), location, findings);
-        let memory = wants_values.then(|| message.memory().to_vec());
-        Some(Seen { timestamp: self.timestamp_of(&message), memory })
+        *memory = message.into_memory();
+        self.messages += 1;
+        let timestamp =
+            self.timestamp.and_then(|at| Some(u64::from_le_bytes(*memory.get(at..)?.first_chunk()?)));
+        Some(Seen { timestamp })
     }
 
-    /// The field values of a message, if they are needed.
+    /// The field values that [`Self::check`] stored.
     pub(super) fn view<'v>(
         &'v self,
-        seen: &'v Seen,
+        memory: &'v [u8],
         definitions: &'v Definitions,
     ) -> Option<DynamicView<'v>> {
-        let memory = seen.memory.as_deref()?;
         self.source.message_type(definitions).view_memory(memory).ok()
-    }
-
-    fn timestamp_of(&self, message: &DynamicMessage<'_>) -> Option<u64> {
-        let bytes = message.memory().get(self.timestamp?..)?;
-        Some(u64::from_le_bytes(*bytes.first_chunk()?))
     }
 
     /// Adds the coverage of rules. Returns the number of payloads in unsupported CDR encodings.

@@ -12,24 +12,25 @@ use uavspec_capture::rosbag::metadata::distribution;
 use uavspec_capture::rosbag::sqlite::{Bag, Definition, Facts};
 use uavspec_model::Endpoint;
 use uavspec_model::limits::MAX_NAME;
-use uavspec_rules::definitions::{Clues, TypeClue, version_of_topic};
+use uavspec_rules::definitions::{Clues, Shared, TypeClue, plain_name, version_of_topic};
 use uavspec_schema::derived_from;
 
 use super::cdr::decompressed;
-use super::{HASH, Stated, is_comparable};
+use super::{HASH, is_comparable};
 use crate::Source;
 use crate::json::Found;
 use crate::limits::{MAX_METADATA, MAX_SCHEMA, MAX_SCHEMAS, MAX_TYPES};
 use crate::release::MAX_AHEAD;
-use crate::topic::{full_name, plain};
+use crate::topic::full_name;
 
 /// The length of an MCAP file's footer record with the magic at the end of the file, in bytes.
 const FOOTER: usize = 9 + 20 + 8;
 
 /// Reads the declarations in an MCAP file: from its summary, if the summary shows all types; otherwise, from the start
 /// of the file.
-pub(super) fn mcap(source: &mut Source<'_>) -> Clues {
-    let summary = source.file.and_then(summary).map(declarations).unwrap_or_default();
+pub(super) fn mcap(source: &mut Source<'_>, shared: &Shared) -> Clues {
+    let summary =
+        source.file.and_then(summary).map(|summary| declarations(summary, shared)).unwrap_or_default();
     let summary = Clues { distribution: source.file.and_then(indexed_distribution), ..summary };
     let has_hash = |clue: &TypeClue| clue.type_hash.is_some();
     // The summary of a recording lacks the endpoints.
@@ -40,7 +41,7 @@ pub(super) fn mcap(source: &mut Source<'_>) -> Clues {
         return summary;
     }
     // The messages at the start indicate the sizes of types without a hash.
-    let mut clues = declarations(&mut *source.bytes);
+    let mut clues = declarations(&mut *source.bytes, shared);
     merge(&mut clues, summary);
     clues
 }
@@ -64,8 +65,8 @@ pub(super) fn merge(clues: &mut Clues, others: Clues) {
 }
 
 /// Reads the declarations in an MCAP file that is still being written.
-pub(crate) fn recording(path: &Path) -> io::Result<Clues> {
-    Ok(declarations(File::open(path)?.take(MAX_AHEAD)))
+pub(crate) fn recording(path: &Path, shared: &Shared) -> io::Result<Clues> {
+    Ok(declarations(File::open(path)?.take(MAX_AHEAD), shared))
 }
 
 /// The ROS distribution in the metadata records that the summary of an MCAP file lists.
@@ -134,7 +135,7 @@ fn summary(path: &Path) -> Option<impl Read> {
     Some(MCAP_MAGIC.chain(file.take(length)))
 }
 
-fn declarations(input: impl Read) -> Clues {
+fn declarations(input: impl Read, shared: &Shared) -> Clues {
     let mut reader = Reader::new(input);
     let mut clues = Clues::default();
     let mut schemas: HashMap<u16, (String, Option<String>)> = HashMap::new();
@@ -149,7 +150,7 @@ fn declarations(input: impl Read) -> Clues {
                 if name.len() <= MAX_NAME && schemas.len() < MAX_TYPES && !schemas.contains_key(&id) =>
             {
                 let is_read = encoding == "ros2msg" && text.len() <= MAX_SCHEMA.min(room);
-                let hash = is_read.then(|| schema_hash(&name, text)).flatten();
+                let hash = is_read.then(|| schema_hash(&name, text, shared)).flatten();
                 room -= if is_read { text.len() } else { 0 };
                 schemas.insert(id, (name, hash));
             }
@@ -204,14 +205,14 @@ fn declarations(input: impl Read) -> Clues {
 }
 
 /// Reads the declarations in a `SQLite` file.
-pub(super) fn sqlite(source: &mut Source<'_>) -> Clues {
+pub(super) fn sqlite(source: &mut Source<'_>, shared: &Shared) -> Clues {
     let Some((bag, _)) = source.file.and_then(|path| Bag::open(path).ok()) else {
         return Clues::default();
     };
     let mut hashes: Facts<Option<String>> = Facts::default();
     let _ = bag.definitions(|definition| {
         if definition.ty.len() <= MAX_NAME {
-            let hash = definition_hash(&definition);
+            let hash = definition_hash(&definition, shared);
             let is_verified = hash.as_ref().is_some_and(|hash| hash.eq_ignore_ascii_case(&definition.hash));
             hashes.add(&definition.ty, &definition.hash, is_verified, hash);
         }
@@ -270,23 +271,23 @@ fn add_version(clues: &mut Clues, topic: &str, name: &str) {
 }
 
 /// True if the text of a definition in a `SQLite` file matches the type hash in the file.
-pub(super) fn has_its_hash(definition: &Definition) -> bool {
+pub(super) fn has_its_hash(definition: &Definition, shared: &Shared) -> bool {
     let is_stated = |hash: String| hash.eq_ignore_ascii_case(&definition.hash);
-    !definition.hash.is_empty() && definition_hash(definition).is_some_and(is_stated)
+    !definition.hash.is_empty() && definition_hash(definition, shared).is_some_and(is_stated)
 }
 
 /// The type hash of a definition in a `SQLite` file, calculated from its text.
-fn definition_hash(definition: &Definition) -> Option<String> {
+fn definition_hash(definition: &Definition, shared: &Shared) -> Option<String> {
     let is_read = definition.encoding == "ros2msg";
-    is_read.then(|| schema_hash(&definition.ty, definition.text.as_bytes())).flatten()
+    is_read.then(|| schema_hash(&definition.ty, definition.text.as_bytes(), shared)).flatten()
 }
 
 /// The type hash of a schema, calculated from its text. Returns `None` for a type that ROS 2 derives from a service or
 /// an action, because its hash isn't the hash of a definition. Also returns `None` for an empty schema, which rosbag2
 /// writes if it can't find the definition.
-fn schema_hash(name: &str, text: &[u8]) -> Option<String> {
-    if text.is_empty() || derived_from(&plain(name)).is_some() {
+fn schema_hash(name: &str, text: &[u8], shared: &Shared) -> Option<String> {
+    if text.is_empty() || derived_from(&plain_name(name)).is_some() {
         return None;
     }
-    Some(Stated::read(name, text).ok()?.type_hash)
+    Some(shared.stated(name, text).ok()?.type_hash.clone())
 }

@@ -8,7 +8,7 @@ use uavspec_capture::input::{self, FileState};
 use uavspec_capture::rosbag::metadata::{self, FILE_NAME, Metadata};
 use uavspec_model::text::shown;
 use uavspec_model::{Extent, Location};
-use uavspec_rules::definitions::Clues;
+use uavspec_rules::definitions::{Clues, Shared};
 
 use super::mcap::McapFile;
 use super::sqlite::{self, SQLITE};
@@ -18,13 +18,13 @@ use crate::release::MAX_AHEAD;
 use crate::{CaptureResult, CheckRun, Reading, Source, Summary, read_start};
 
 /// Reads the declarations in the files of a bag's folder.
-pub(crate) fn clues(folder: &Path) -> Clues {
+pub(crate) fn clues(folder: &Path, shared: &Shared) -> Clues {
     let Ok(Some(metadata)) = Metadata::read(folder) else { return Clues::default() };
     let distribution = Some(metadata.distribution).filter(|name| !name.is_empty());
     let mut clues = Clues { distribution, ..Clues::default() };
     for file in metadata.files.iter().take(MAX_FILES) {
         // The check reports a file that can't be read.
-        clues::merge(&mut clues, file_clues(&folder.join(file)).unwrap_or_default());
+        clues::merge(&mut clues, file_clues(&folder.join(file), shared).unwrap_or_default());
     }
     clues
 }
@@ -47,21 +47,21 @@ fn open<'p>(path: &'p Path, reading: Reading<'_>) -> io::Result<FileBytes<'p, im
 }
 
 /// Reads the declarations in a file of a bag, which may be compressed.
-fn file_clues(path: &Path) -> io::Result<Clues> {
+fn file_clues(path: &Path, shared: &Shared) -> io::Result<Clues> {
     let FileBytes { start, mut whole, file } = open(path, &|file| file)?;
     let whole = &mut whole;
     if (MCAP.detect)(&start) {
-        return Ok(clues::mcap(&mut Source { bytes: &mut whole.take(MAX_AHEAD), file, copy: None }));
+        return Ok(clues::mcap(&mut Source { bytes: &mut whole.take(MAX_AHEAD), file, copy: None }, shared));
     }
     if !(SQLITE.detect)(&start) {
         return Ok(Clues::default());
     }
     if file.is_some() {
-        return Ok(clues::sqlite(&mut Source { bytes: whole, file, copy: None }));
+        return Ok(clues::sqlite(&mut Source { bytes: whole, file, copy: None }, shared));
     }
     let (copy, _) = sqlite::copy(whole);
     let file = copy.as_ref().map(sqlite::CopiedFile::path);
-    Ok(clues::sqlite(&mut Source { bytes: whole, file, copy: copy.as_ref() }))
+    Ok(clues::sqlite(&mut Source { bytes: whole, file, copy: copy.as_ref() }, shared))
 }
 
 /// Checks the readable parts of a bag's files. Fails if `metadata.yaml` can't be read.

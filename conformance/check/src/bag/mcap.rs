@@ -21,7 +21,7 @@ use crate::{CaptureResult, CheckRun, Kind, Logged, Observer, Summary, has_magic}
 pub(crate) const KIND: Kind = Kind {
     name: "MCAP",
     detect: |start| has_magic(start, &MCAP_MAGIC),
-    choose: |source, library| library.choose(&super::clues::mcap(source)),
+    choose: |source, library| library.choose(&super::clues::mcap(source, library.shared())),
     check: |source, _, run| check(source, run),
 };
 

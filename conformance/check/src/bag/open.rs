@@ -14,6 +14,7 @@ use super::Declared;
 use super::cdr::CdrChecker;
 use crate::coverage::{PartResult, Parts, Share, Tally};
 use crate::release::ComparedTopic;
+use crate::run::Subscribers;
 use crate::topic::topic_of;
 
 /// A channel, with the result of comparing its schema with the definition.
@@ -176,6 +177,7 @@ pub(super) struct Open {
     encoding: String,
     pub(super) schema: Option<(String, String)>,
     pub(super) reading: Reading,
+    pub(super) subscribers: Subscribers,
     pub(super) tally: Tally,
     /// The fields that the messages and the definition share, if the messages are read.
     pub(super) fields: Option<Share>,
@@ -234,6 +236,7 @@ impl Open {
             encoding: escaped(&declared.encoding),
             schema: schema.map(|(name, encoding)| (escaped(name), escaped(encoding))),
             reading: Reading::Skipped,
+            subscribers: Subscribers::default(),
             tally: Tally::default(),
             fields: None,
             has_other_hash: false,

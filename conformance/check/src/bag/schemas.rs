@@ -8,10 +8,10 @@ use std::sync::Arc;
 use uavspec_model::limits::MAX_NAME;
 use uavspec_px4::comparison::{Comparison, Differences, compare_declared};
 use uavspec_px4::json::SharedFields;
-use uavspec_rules::definitions::Definitions;
+use uavspec_rules::definitions::{Definitions, Stated};
 use uavspec_schema::MessageId;
 
-use super::{Basis, Stated, digest, json_schema};
+use super::{Basis, digest, json_schema};
 use crate::limits::{MAX_BAG_CHANNELS, MAX_SCHEMA, MAX_SCHEMAS};
 use crate::topic::full_name;
 
@@ -20,7 +20,7 @@ use crate::topic::full_name;
 pub(super) struct ComparedSchema {
     pub(super) basis: Basis,
     /// The types of the schema, if they are needed to decode CDR.
-    pub(super) stated: Option<Rc<Stated>>,
+    pub(super) stated: Option<Arc<Stated>>,
     /// The fields that JSON messages share with the definition, if the schema differs from it.
     pub(super) shared: Option<Rc<SharedFields>>,
     /// The message version in the schema.
@@ -53,7 +53,7 @@ struct Schema {
     /// The comparisons that channels requested, by definition. The flag is true for JSON messages.
     compared: BTreeMap<(MessageId, bool), ComparedSchema>,
     /// The types, or the reason why they can't be read. Set when first requested by a channel without a definition.
-    own: OnceCell<Result<Rc<Stated>, Basis>>,
+    own: OnceCell<Result<Arc<Stated>, Basis>>,
 }
 
 impl Schemas {
@@ -105,14 +105,18 @@ impl Schemas {
     }
 
     /// The types of a schema. The error is the reason why they can't be read. It is `None` if the schema has no text.
-    pub(super) fn own(&self, index: Option<usize>) -> Result<Rc<Stated>, Option<String>> {
+    pub(super) fn own(
+        &self,
+        index: Option<usize>,
+        definitions: &Definitions,
+    ) -> Result<Arc<Stated>, Option<String>> {
         let schema = index.and_then(|index| self.all.get(index)).ok_or(None)?;
         let read = || match &schema.text {
             Err(_) => Err(Basis::TooLong),
             Ok(text) if text.is_empty() => Err(Basis::NoSchema),
             Ok(text) if is_name(&schema.name, text) => Err(Basis::OnlyName),
             Ok(text) if schema.encoding == "ros2msg" => {
-                Stated::read(&schema.name, text).map(Rc::new).map_err(Basis::Unreadable)
+                definitions.shared.stated(&schema.name, text).map_err(Basis::Unreadable)
             }
             Ok(_) => Err(Basis::Encoding(schema.encoding.escape_debug().to_string())),
         };
@@ -161,13 +165,13 @@ fn is_name(name: &str, text: &[u8]) -> bool {
 
 /// Compares the text of a `ros2msg` schema with a definition.
 fn types(name: &str, text: &[u8], message_id: MessageId, definitions: &Definitions) -> ComparedSchema {
-    match Stated::read(name, text) {
+    match definitions.shared.stated(name, text) {
         Err(error) => Basis::Unreadable(error).into(),
         Ok(stated) => {
             let comparison = compare_declared(stated.root(), definitions.types().get(message_id));
             let (differs, version) = (comparison != Comparison::Equal, stated.version);
             ComparedSchema {
-                stated: differs.then(|| Rc::new(stated)),
+                stated: differs.then_some(stated),
                 version,
                 ..Basis::Compared(Arc::new(comparison)).into()
             }

@@ -19,7 +19,7 @@ use crate::{CaptureResult, CheckRun, Kind, Source, Summary, has_magic};
 pub(crate) const SQLITE: Kind = Kind {
     name: "rosbag2",
     detect: |start| has_magic(start, &SQLITE_MAGIC),
-    choose: |source, library| library.choose(&super::clues::sqlite(source)),
+    choose: |source, library| library.choose(&super::clues::sqlite(source, library.shared())),
     check: |source, _, run| check_sqlite(source, run),
 };
 

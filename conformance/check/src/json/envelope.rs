@@ -7,6 +7,7 @@ use uavspec_px4::json::{Clean, Plans};
 use uavspec_schema::MessageId;
 
 use crate::coverage::Tally;
+use crate::run::Subscribers;
 
 /// The rosbridge operations that may name the type of a topic.
 const ADVERTISE: &str = "advertise";
@@ -54,6 +55,7 @@ pub(super) struct Open {
     pub(super) is_decided: bool,
     /// True if the message that decided the definition has the keys of the definition.
     pub(super) has_keys: bool,
+    pub(super) subscribers: Subscribers,
     pub(super) tally: Tally,
     /// The size of the messages in memory, in bytes; 0 if it varies, or if no rule needs their values.
     pub(super) num_bytes: usize,

@@ -57,14 +57,25 @@ impl Block {
     #[inline]
     pub(super) fn accepts(&self, payload: &[u8]) -> bool {
         let Self { offset, count, stride, width, accepted } = self;
-        if let Accepted::Bool = accepted {
-            let bools = payload.get(*offset..offset + count);
-            return bools.is_some_and(|bools| bools.iter().fold(0, |all, byte| all | byte) < 2);
+        let mut starts = (0..*count).map(|index| offset + index * stride);
+        match accepted {
+            Accepted::Bool => {
+                let bools = payload.get(*offset..offset + count);
+                bools.is_some_and(|bools| bools.iter().fold(0, |all, byte| all | byte) < 2)
+            }
+            Accepted::Among(set) => {
+                starts.all(|start| payload.get(start).is_some_and(|byte| contains(set, *byte)))
+            }
+            _ => starts
+                .all(|start| payload.get(start..start + width).is_some_and(|value| accepted.accepts(value))),
         }
-        (0..*count)
-            .map(|index| offset + index * stride)
-            .all(|start| payload.get(start..start + width).is_some_and(|value| accepted.accepts(value)))
     }
+}
+
+/// True if a byte is in a set, which has a bit for each byte.
+#[inline]
+fn contains(set: &[u64; 4], byte: u8) -> bool {
+    set[usize::from(byte / 64)] >> (byte % 64) & 1 == 1
 }
 
 impl Accepted {
@@ -145,7 +156,7 @@ impl Accepted {
             Self::Between(scalar, low, high) => {
                 integer(*scalar, value).is_some_and(|value| (*low..=*high).contains(&value))
             }
-            Self::Among(set) => set[usize::from(value[0] / 64)] >> (value[0] % 64) & 1 == 1,
+            Self::Among(set) => contains(set, value[0]),
             Self::Floats(scalar, low, high) => {
                 float(*scalar, value).is_some_and(|value| *low <= value && value <= *high)
             }

@@ -224,6 +224,11 @@ impl Library {
         Arc::clone(&self.stored.get(|(known, _)| *known == key, make).1)
     }
 
+    /// What the captures of the run share.
+    pub fn shared(&self) -> &Shared {
+        &self.shared
+    }
+
     /// An empty log that shares its formats with the other logs of the run.
     pub fn log(&self) -> Log {
         Log::sharing(&self.shared.formats)

@@ -6,13 +6,13 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
 use sha2::{Digest as _, Sha256};
 use uavspec_capture::ulog::{Compiled, SharedFormats};
 use uavspec_dynamic::MessageType;
-use uavspec_model::{Findings, Recent};
+use uavspec_model::Recent;
 use uavspec_px4::comparison::{Comparison, compare};
 use uavspec_px4::event::EventMetadata;
 use uavspec_px4::memory::{FieldCounts, Plan, shared_fields, time_offset};
 
-use super::Definitions;
-use crate::limits::{MAX_SHARED_EVENTS, MAX_SHARED_FIELDS};
+use super::{Definitions, Stated};
+use crate::limits::{MAX_SHARED_EVENTS, MAX_SHARED_FIELDS, MAX_SHARED_SCHEMA, MAX_SHARED_SCHEMAS};
 use crate::px4;
 
 /// What captures share, even if they are checked against different definitions.
@@ -21,6 +21,15 @@ pub struct Shared {
     /// The formats of logs.
     pub formats: Arc<SharedFormats>,
     events: Recent<CapturedEvents, MAX_SHARED_EVENTS>,
+    schemas: Recent<SharedSchema, MAX_SHARED_SCHEMAS>,
+}
+
+/// A schema in a bag.
+#[derive(Debug)]
+struct SharedSchema {
+    name: String,
+    text: Box<[u8]>,
+    stated: Result<Arc<Stated>, String>,
 }
 
 /// The event metadata in a capture.
@@ -47,20 +56,26 @@ pub struct FormatPlan {
     pub timestamp: Option<usize>,
     /// The offset of `time_utc_usec` in the payload. This field contains the time of a satellite navigation receiver.
     pub utc: Option<usize>,
-    values: OnceLock<Plan>,
+    values: OnceLock<Arc<Plan>>,
+}
+
+impl Shared {
+    /// Reads the type in the text of a `ros2msg` schema.
+    pub fn stated(&self, name: &str, text: &[u8]) -> Result<Arc<Stated>, String> {
+        let read = || Stated::read(name, text).map(Arc::new);
+        if text.len() > MAX_SHARED_SCHEMA {
+            return read();
+        }
+        let make = || SharedSchema { name: name.to_owned(), text: text.into(), stated: read() };
+        self.schemas.get(|known| *known.text == *text && known.name == name, make).stated.clone()
+    }
 }
 
 impl FormatPlan {
     /// The checks of the values, compiled when they are first needed.
-    pub fn values(&self, format: MessageType<'_>, definitions: &Definitions) -> &Plan {
-        self.values.get_or_init(|| Plan::new(format, definitions.of_format(format), &px4::VALUES))
-    }
-
-    /// Adds the coverage of this many messages whose values were checked.
-    pub fn count(&self, messages: u64, findings: &mut Findings) {
-        if let Some(values) = self.values.get() {
-            values.count(messages, findings);
-        }
+    pub fn values(&self, format: MessageType<'_>, definitions: &Definitions) -> Arc<Plan> {
+        let compile = || Arc::new(Plan::new(format, definitions.of_format(format), &px4::VALUES));
+        Arc::clone(self.values.get_or_init(compile))
     }
 }
 

@@ -57,7 +57,7 @@ impl<'c, 'd> SqliteFile<'c, 'd> {
         let types = types_of(&topics);
         let result = database.definitions(|definition| {
             for (ty, lacks_hash) in types.get(definition.ty.as_str()).into_iter().flatten() {
-                let is_verified = *lacks_hash && has_its_hash(&definition);
+                let is_verified = *lacks_hash && has_its_hash(&definition, &self.bag.run.definitions.shared);
                 self.definition(ty, &definition, is_verified);
             }
         });

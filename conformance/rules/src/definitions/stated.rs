@@ -12,36 +12,35 @@ use std::collections::{BTreeMap, BTreeSet};
 use uavspec_dynamic::{MessageType, Types};
 use uavspec_lint::release::{Entry, Section, entries, sections, select};
 use uavspec_model::text::utf8;
-use uavspec_rules::definitions::newest_ros2;
 use uavspec_runtime::Number;
 use uavspec_schema::diagnostic::{Level, Problem};
 use uavspec_schema::fingerprint::{ros_name, type_hash};
 use uavspec_schema::msg::{Dialect, Kind};
 use uavspec_schema::{Form, Message, MessageId, PackageInput, Schema, SourceMap, derived_from, read_formats};
 
-use crate::topic::plain;
+use super::newest_ros2;
 
 /// The package of a type whose name contains no package.
 const NO_PACKAGE: &str = "unnamed";
 
 /// A type with its nested types.
 #[derive(Debug)]
-pub(super) struct Stated {
+pub struct Stated {
     types: Types,
     root: MessageId,
     /// The ROS type hash.
-    pub(super) type_hash: String,
+    pub type_hash: String,
     /// The value of `MESSAGE_VERSION`, if it is defined.
-    pub(super) version: Option<u32>,
+    pub version: Option<u32>,
     /// The names of the types that the schema lacks and that were taken from the built-in definitions.
-    pub(super) added: Vec<String>,
+    pub added: Vec<String>,
 }
 
 impl Stated {
     /// Parses the text of the schema `name`, which may be a DDS name. The error is a one-line message.
     pub(super) fn read(name: &str, text: &[u8]) -> Result<Self, String> {
         let text = utf8(text)?;
-        let name = &plain(name);
+        let name = &plain_name(name);
         let stated = files(name, text)?;
         let standard = missing(&stated);
         let standard = added(&stated, &standard);
@@ -86,8 +85,16 @@ impl Stated {
     }
 
     /// The type of the schema.
-    pub(super) fn root(&self) -> MessageType<'_> {
+    pub fn root(&self) -> MessageType<'_> {
         self.types.get(self.root)
+    }
+}
+
+/// Converts a DDS type name such as `px4_msgs::msg::dds_::VehicleStatus_` to a ROS 2 name.
+pub fn plain_name(name: &str) -> String {
+    match name.strip_suffix('_') {
+        Some(dds) if dds.contains("::dds_::") => dds.replacen("::dds_::", "::", 1).replace("::", "/"),
+        _ => name.replace("::", "/"),
     }
 }
 
