@@ -38,7 +38,7 @@ pub(super) struct Plan {
     pub(super) transfer: OnceLock<Option<Transfer>>,
 }
 
-/// The bytes of a message that are the same in memory and in little-endian CDR. Only messages of fixed size have one.
+/// The parts of a message whose bytes are equal in memory and in little-endian CDR. Only a message of fixed size has them.
 #[derive(Debug, Default)]
 pub(super) struct Transfer {
     /// The parts, in the order of CDR: the offset after the header, the offset in memory, and the length.

@@ -54,7 +54,7 @@ pub(crate) const MAX_FORMATS: usize = 8_192;
 /// fifty times as much memory as their text, so a malicious log uses at most about 50 MB of memory.
 pub(crate) const MAX_FORMAT_TEXT: usize = 1 << 20;
 
-/// The maximum size of the formats that logs share, in bytes, and the maximum number of such formats.
+/// The maximum size of formats that logs share, in bytes, and the maximum number of logs whose formats are stored.
 pub(crate) const MAX_SHARED_TEXT: usize = 1 << 17;
 pub(crate) const MAX_SHARED: usize = 8;
 

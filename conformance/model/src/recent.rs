@@ -15,10 +15,10 @@ impl<T, const LIMIT: usize> Recent<T, LIMIT> {
         if let Some(known) = results.iter().find(|known| is_wanted(known)) {
             return Arc::clone(known);
         }
-        let made = Arc::new(make());
-        results.push_front(Arc::clone(&made));
+        let result = Arc::new(make());
+        results.push_front(Arc::clone(&result));
         results.truncate(LIMIT);
-        made
+        result
     }
 }
 
@@ -36,14 +36,14 @@ mod tests {
 
     #[test]
     fn only_the_latest_results_are_stored() {
-        let (recent, made) = (Recent::<_, 2>::default(), Cell::new(0));
+        let (recent, count) = (Recent::<_, 2>::default(), Cell::new(0));
         let get = |wanted: usize| {
             let make = || {
-                made.set(made.get() + 1);
+                count.set(count.get() + 1);
                 wanted
             };
             assert_eq!(*recent.get(|known| *known == wanted, make), wanted);
-            made.get()
+            count.get()
         };
         assert_eq!([1, 2, 1, 2, 3, 2, 1].map(get), [1, 2, 2, 2, 3, 3, 4]);
     }

@@ -82,7 +82,7 @@ pub struct Definitions {
     schemas: Arc<Schemas>,
     /// The event metadata for captures that don't contain their own.
     pub events: Arc<EventMetadata>,
-    /// What captures share, even if they are checked against different definitions.
+    /// The data that captures share, even if they are checked against different definitions.
     pub shared: Arc<Shared>,
     plans: Recent<FormatPlans, MAX_PLANS>,
 }
@@ -295,7 +295,7 @@ impl Definitions {
         let mut releases = rows.flat_map(|row| row.releases.iter());
         releases.any(|release| {
             let text = index.release(release).text();
-            let mut lines = release::entries(&text)
+            let mut lines = release::entries(text)
                 .filter(|entry| entry.name == message.name)
                 .flat_map(|entry| entry.text.lines());
             lines.any(|line| line.strip_prefix(VERSION) == Some(version))

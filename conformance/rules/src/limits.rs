@@ -58,8 +58,8 @@ pub(crate) const MAX_STORED: usize = 8;
 pub(crate) const MAX_PLANS: usize = 2;
 pub(crate) const MAX_SHARED_FIELDS: usize = 1 << 10;
 
-/// The maximum size of the schemas in bags that stay in memory, in bytes, and the maximum number of such schemas. The bags of
-/// a vehicle have up to about a hundred. Types take up to fifty times as much memory as their text.
+/// The maximum size of the schemas in bags that stay in memory, in bytes, and their maximum number. The bags of a vehicle
+/// have up to about a hundred. Types take up to fifty times as much memory as their text.
 pub(crate) const MAX_SHARED_SCHEMA: usize = 16 << 10;
 pub(crate) const MAX_SHARED_SCHEMAS: usize = 128;
 

@@ -120,7 +120,7 @@ impl Transfer {
         self.size = body + length;
         match self.parts.last_mut() {
             Some((from, to, before)) if *from + *before == body && *to + *before == memory => {
-                *before += length
+                *before += length;
             }
             _ => self.parts.push((body, memory, length)),
         }

@@ -72,9 +72,9 @@ fn similar_name(catalogue: &Catalogue<'_>, word: &str) -> Option<String> {
 fn similar_item(catalogue: &Catalogue<'_>, first: &str, rest: &str) -> Option<String> {
     let known = definitions(catalogue);
     let definition = similar(first, known.iter().map(String::as_str))?;
-    let rows = catalogue.rows().filter(|row| {
-        row.topics.iter().any(|topic| *topic == definition) || row.name.rsplit('/').next() == Some(definition)
-    });
+    let rows = catalogue
+        .rows()
+        .filter(|row| row.topics.contains(&definition) || row.name.rsplit('/').next() == Some(definition));
     let mut items: Vec<String> = Vec::new();
     for row in rows {
         let Some(release) = catalogue.newest(row.name) else { continue };

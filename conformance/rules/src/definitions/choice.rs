@@ -189,7 +189,7 @@ impl Index {
             let message = if let FormatClue::Json(message) = format { Some(message) } else { None };
             let (equal, by_keys) = self.closest(equal, message);
             let agreeing = releases(&equal);
-            let name = equal.first().map_or(topic.as_str(), |row| &row.name);
+            let name = equal.first().map_or(topic.as_str(), |row| row.name);
             let is_undecided = matches!(format, FormatClue::Json(_)) && definitions(&equal).len() > 1;
             matches.push(Match { name, agreeing, by_keys, is_undecided, by_size: None });
         }
@@ -257,7 +257,7 @@ impl Index {
                 let found = self.definition(row);
                 found.map_or(usize::MAX, |found| count_differences(message, found.types.get(found.id)))
             };
-            counts.entry(&row.type_hash).or_insert_with(count);
+            counts.entry(row.type_hash).or_insert_with(count);
         }
         let min = counts.values().min();
         rows.into_iter().filter(|row| counts.get(row.type_hash) == min).collect()
@@ -305,7 +305,7 @@ fn releases(rows: &[&Row]) -> ReleaseSet {
 fn definitions(rows: &[&Row]) -> Vec<ReleaseSet> {
     let mut found: BTreeMap<&str, ReleaseSet> = BTreeMap::new();
     for row in rows {
-        let releases = found.entry(&row.type_hash).or_default();
+        let releases = found.entry(row.type_hash).or_default();
         *releases = releases.union(row.releases);
     }
     found.into_values().collect()
@@ -562,7 +562,7 @@ mod tests {
                     && row.type_hash != older.type_hash
                     && newest(row) > newest(older)
             };
-            for newer in index.of_name(&older.name).filter(is_newer) {
+            for newer in index.of_name(older.name).filter(is_newer) {
                 let [old, new] = [older, newer].map(|row| index.definition(row).expect("a definition"));
                 let (old, new) = (old.types.get(old.id), new.types.get(new.id));
                 let count = |message: &serde_json::Value| {

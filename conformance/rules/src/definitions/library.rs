@@ -149,7 +149,7 @@ impl Library {
         })
     }
 
-    /// Definitions with what all definitions of the library share.
+    /// Adds the data that all definitions of the library share.
     fn sharing(&self, definitions: Definitions) -> Definitions {
         Definitions {
             schemas: Arc::clone(&self.schemas),
@@ -224,7 +224,7 @@ impl Library {
         Arc::clone(&self.stored.get(|(known, _)| *known == key, make).1)
     }
 
-    /// What the captures of the run share.
+    /// The data that the captures of the run share.
     pub fn shared(&self) -> &Shared {
         &self.shared
     }

@@ -30,7 +30,7 @@ pub(crate) fn released_type(name: &str, hash: u32) -> Option<ReleasedType> {
     let rows = index.of_name(name).filter(|row| row.hash == hash);
     let releases = rows.fold(ReleaseSet::default(), |all, row| all.union(row.releases));
     let text = index.release(releases.iter().next_back()?).text();
-    let (schema, id) = read_definition(&text, name, Dialect::Px4)?;
+    let (schema, id) = read_definition(text, name, Dialect::Px4)?;
     let fields = hashed_text(&schema, schema.message(id));
     Some(ReleasedType { releases: releases.iter().map(|id| index.label(id)).collect(), fields })
 }

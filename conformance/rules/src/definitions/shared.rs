@@ -1,4 +1,4 @@
-//! What the captures of a run share. Most captures of an archive come from the same firmware.
+//! The data that the captures of a run share. Most captures of an archive come from the same firmware.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
@@ -15,7 +15,7 @@ use super::{Definitions, Stated};
 use crate::limits::{MAX_SHARED_EVENTS, MAX_SHARED_FIELDS, MAX_SHARED_SCHEMA, MAX_SHARED_SCHEMAS};
 use crate::px4;
 
-/// What captures share, even if they are checked against different definitions.
+/// The data that captures share, even if they are checked against different definitions.
 #[derive(Debug, Default)]
 pub struct Shared {
     /// The formats of logs.
