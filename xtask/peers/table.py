@@ -28,9 +28,6 @@ ROUNDS = int(os.environ.get("ROUNDS", "5"))
 COPIES = 20
 """The number of copies of each capture."""
 
-FLIGHT = "sample_px4_events.ulg"
-"""The log of the newest release in the corpus."""
-
 DECODED = 20_000_000
 """The number of times that a codec decodes a message."""
 
@@ -213,11 +210,9 @@ def rows(folder: Path, uavspec: str, peers: str, corpus: Path) -> Iterator[tuple
         logs = copies(source, folder)
         peers_of_ulog = [crate("px4-ulog", "ulog", *logs, cores=1), read("pyulog", *logs, cores=1)]
         yield f"ULog, {COPIES} × {source.name}", total(*logs), [check(*logs, cores=1), *peers_of_ulog]
-    flight = corpus / "ulog" / FLIGHT
-    logs = copies(flight, folder)
-    two = check(*logs, cores=2, label="uavspec {}, two cores")
-    yield f"ULog, {COPIES} × {FLIGHT}", total(*logs), [two, check(*logs, cores=1, label="uavspec {}, one core")]
-    yield f"ULog, {FLIGHT}", total(flight), [check(flight, cores=1), crate("px4-ulog", "ulog", flight, cores=1)]
+        cores = [check(*logs, cores=count, label=f"uavspec {{}}, cores: {count}") for count in [2, 1]]
+        yield f"ULog, {COPIES} × {source.name}", total(*logs), cores
+        yield f"ULog, {source.name}", total(source), [check(source, cores=1), crate("px4-ulog", "ulog", source, cores=1)]
 
     for compression in ["plain", "zstd", "lz4"]:
         bags = copies(folder / f"{compression}.mcap", folder)

@@ -450,7 +450,8 @@ impl<'d> Channels<'d> {
                 let checked = check.check(payload, memory, &channel, location, definitions, findings);
                 let Some(seen) = checked else { return self.run.lost(open.subscribers, location) };
                 open.tally.count(true, None);
-                self.run.include(sent(logged, seen.timestamp));
+                // The log time counts instead, if it is known.
+                self.run.include(seen.timestamp.filter(|_| logged.is_none()));
                 let view = || check.view(&self.values, definitions);
                 let observed = open.subscribers.want_values().then(view).flatten();
                 let values = observed.filter(|values| values.message_type().size().is_some());
@@ -476,7 +477,7 @@ impl<'d> Channels<'d> {
                     Ok(Clean { timestamp, dialects }) => {
                         self.dialects.absorb(dialects);
                         open.tally.count(true, None);
-                        self.run.include(sent(logged, timestamp));
+                        self.run.include(timestamp.filter(|_| logged.is_none()));
                         let view = || ty.view_uorb(&self.values).ok();
                         let values = (!self.values.is_empty()).then(view).flatten();
                         let is_decoded = values.is_none() && open.subscribers.observe_values();
@@ -504,11 +505,6 @@ impl<'d> Channels<'d> {
         let content = BagContent { channels, dialects: self.dialects, releases, bus };
         self.run.finish(bytes, summarize(content), Unit::Topic, parts)
     }
-}
-
-/// The time span of a message whose log time is unknown: its timestamp, in µs.
-fn sent(logged: Option<u64>, timestamp: Option<u64>) -> Option<[u64; 2]> {
-    timestamp.filter(|timestamp| logged.is_none() && *timestamp > 0).map(|timestamp| [timestamp; 2])
 }
 
 /// Checks a JSON message. Stores the field values in `values`, or clears `values` if there are findings. Fails if the

@@ -250,8 +250,9 @@ impl Tally {
     }
 
     /// The first and the last time, in µs.
-    pub(super) fn span(&self) -> Option<[u64; 2]> {
-        self.first.map(|first| [first, self.last])
+    pub(super) fn span(&self) -> impl Iterator<Item = u64> + use<> {
+        let last = self.last;
+        self.first.into_iter().flat_map(move |first| [first, last])
     }
 
     /// The mean number of records per second, with three decimals.

@@ -301,7 +301,7 @@ impl<'d> CheckRun<'d> {
     /// of messages then don't count, because they may refer to another clock.
     pub(super) fn record_at(&mut self, time: u64) {
         self.record_time = Some(time);
-        self.include(self.logged(Some(time)).map(|time| [time; 2]));
+        self.include([time]);
         self.clock.start(time);
         self.clock.set_utc(time, time);
     }
@@ -312,11 +312,11 @@ impl<'d> CheckRun<'d> {
         timestamp.filter(|timestamp| *timestamp > 0 && self.start.is_none_or(|start| *timestamp >= start))
     }
 
-    /// Extends the time span to include the first and the last time of records, in µs.
-    pub(super) fn include(&mut self, span: Option<[u64; 2]>) {
-        if let Some([first, last]) = span {
-            self.first = Some(self.first.map_or(first, |known| known.min(first)));
-            self.last = self.last.max(last);
+    /// Extends the time span to include times of records, in µs. A time of 0 is unknown.
+    pub(super) fn include(&mut self, times: impl IntoIterator<Item = u64>) {
+        for time in times.into_iter().filter(|time| *time > 0) {
+            self.first = Some(self.first.map_or(time, |first| first.min(time)));
+            self.last = self.last.max(time);
         }
     }
 

@@ -49,13 +49,11 @@ fn read<'t>(
         offset: Some(at),
     };
     let order = ByteOrder::of(payload).map_err(|fault| error(fault, 0, &Trail::default()))?;
-    if order == ByteOrder::LittleEndian
-        && !is_strict
-        && transfer(ty, payload.get(HEADER..).unwrap_or_default(), &mut buffer).is_some()
-    {
+    let body = payload.get(HEADER..).unwrap_or_default();
+    if order == ByteOrder::LittleEndian && !is_strict && transfer(ty, body, &mut buffer).is_some() {
         return Ok(DynamicMessage { ty, buffer });
     }
-    let mut reader = Reader::new(ty, payload.get(HEADER..).unwrap_or_default(), order, is_strict, buffer);
+    let mut reader = Reader::new(ty, body, order, is_strict, buffer);
     if let Err((fault, at)) = reader.message(ty.plan, 0) {
         return Err(error(fault, at + HEADER, &reader.trail));
     }
@@ -88,7 +86,7 @@ fn transfer(ty: MessageType<'_>, body: &[u8], buffer: &mut Vec<u8>) -> Option<()
 impl Transfer {
     /// Adds the parts of the message at offset `base` in memory. `None` if its size varies, or if there are too many parts.
     fn of(mut self, types: &Types, plan: &Plan, base: usize) -> Option<Self> {
-        if self.parts.len() > MAX_PARTS || self.size > MAX_TRANSFERRED {
+        if !plan.is_fixed || self.parts.len() > MAX_PARTS || self.size > MAX_TRANSFERRED {
             return None;
         }
         if plan.fields.is_empty() {
@@ -97,7 +95,7 @@ impl Transfer {
         for field in &plan.fields {
             let at = base + field.offset;
             match field.element {
-                _ if field.is_sequence() => return None,
+                // A message of fixed size has no strings.
                 Element::String { .. } => return None,
                 Element::Scalar(scalar) => self.add(at, field.count() * scalar.size(), scalar.size()),
                 Element::Text(length) => self.add(at, length as usize, 1),

@@ -198,8 +198,7 @@ impl Log {
     #[inline]
     fn fitting(&self, id: u16, payload: &[u8]) -> Option<(&Subscription, MessageId)> {
         let (subscription, type_id, size) = self.bound(id)?;
-        let fits = [size.padded, size.no_padding].contains(&payload.len());
-        fits.then_some((subscription, type_id))
+        fits(size, payload).then_some((subscription, type_id))
     }
 
     /// The subscription of an id with the type of its data, if the id is subscribed and has a type.
@@ -235,11 +234,9 @@ impl Log {
             }
         }
         match binding {
+            Binding::Type { size, .. } if fits(size, payload) => {}
             Binding::Type { size: Size { padded, no_padding }, .. } => {
-                let found = payload.len();
-                if found != padded && found != no_padding {
-                    on_problem(offset, LogProblem::DataSize { id, padded, no_padding, found });
-                }
+                on_problem(offset, LogProblem::DataSize { id, padded, no_padding, found: payload.len() });
             }
             Binding::None { is_missing: true, .. } => on_problem(offset, LogProblem::MissingFormat { id }),
             Binding::None { is_missing: false, .. } => on_problem(offset, LogProblem::UnusableFormat { id }),
@@ -402,4 +399,10 @@ impl Log {
             }
         }
     }
+}
+
+/// True if a payload has the size of its type, with or without the padding at the end.
+#[inline]
+fn fits(size: Size, payload: &[u8]) -> bool {
+    [size.padded, size.no_padding].contains(&payload.len())
 }

@@ -1,6 +1,6 @@
 //! A fast check of values in memory. Most values pass, and only the others are examined further.
 
-use uavspec_dynamic::ValueType;
+use uavspec_dynamic::{ValueType, number};
 use uavspec_runtime::{Number, Scalar};
 use uavspec_schema::{Element, Restriction};
 
@@ -170,13 +170,9 @@ fn until_nul(text: &[u8]) -> &[u8] {
 }
 
 fn integer(scalar: Scalar, bytes: &[u8]) -> Option<i64> {
-    match scalar {
-        Scalar::Int16 => Some(i16::from_le_bytes(bytes.try_into().ok()?).into()),
-        Scalar::UInt16 => Some(u16::from_le_bytes(bytes.try_into().ok()?).into()),
-        Scalar::Int32 => Some(i32::from_le_bytes(bytes.try_into().ok()?).into()),
-        Scalar::UInt32 => Some(u32::from_le_bytes(bytes.try_into().ok()?).into()),
-        Scalar::Int64 => Some(i64::from_le_bytes(bytes.try_into().ok()?)),
-        _ => None,
+    match number(scalar, bytes)? {
+        Number::Int(value) => i64::try_from(value).ok(),
+        Number::Float(_) => None,
     }
 }
 

@@ -256,15 +256,13 @@ impl Library {
         let index = self.index();
         let mut sources = SourceMap::default();
         let (mut packages, mut replacements) = (Vec::new(), Vec::new());
-        let (mut releases, mut origins, mut ids) = (Vec::new(), HashMap::new(), HashMap::new());
+        let (mut releases, mut origins) = (Vec::new(), HashMap::new());
         for choice in choices {
-            let loaded = self.loaded(choice.release);
             for package in self.packages(choice.release, None, &mut sources) {
-                origins.insert(package.name.clone(), loaded.clone());
-                ids.insert(package.name.clone(), choice.release);
+                origins.insert(package.name.clone(), choice.release);
                 packages.push(package);
             }
-            releases.push(loaded);
+            releases.push(self.loaded(choice.release));
             let mut by_release: BTreeMap<ReleaseId, BTreeSet<&str>> = BTreeMap::new();
             for (name, release) in &choice.others {
                 by_release.entry(*release).or_default().insert(name);
@@ -275,8 +273,7 @@ impl Library {
                     package.name =
                         format!("{}_{}", package.name, index.release(release).name().replace('.', "_"));
                     replacements.push(package.name.clone());
-                    origins.insert(package.name.clone(), self.loaded(release));
-                    ids.insert(package.name.clone(), release);
+                    origins.insert(package.name.clone(), release);
                     packages.push(package);
                 }
             }
@@ -284,7 +281,7 @@ impl Library {
         // Tests ensure that the releases have no errors.
         let (mut schema, _) = read_formats(&sources, &packages);
         add_hashes(&mut schema, |package, name| {
-            let release = *ids.get(&package.name)?;
+            let release = *origins.get(&package.name)?;
             let row = index.of_name(name).find(|row| row.releases.contains(release))?;
             Some((row.hash, row.type_hash.to_owned()))
         });
@@ -293,6 +290,7 @@ impl Library {
         let definitions =
             Definitions::new(titles.join(", "), sources, schema).with_replacements(&replacements);
         let undecided = choices.iter().flat_map(|choice| choice.undecided.iter().cloned()).collect();
+        let origins = origins.into_iter().map(|(name, release)| (name, self.loaded(release))).collect();
         self.sharing(Definitions { releases, origins, undecided, ..definitions })
     }
 

@@ -1,5 +1,7 @@
 //! `PX-TIME-02`.
 
+use std::mem;
+
 use uavspec_model::MAX_EXAMPLES;
 
 use super::ext::is_of_px4;
@@ -42,8 +44,8 @@ const DROPOUT_MARGIN: u64 = 1_000_000;
 #[derive(Default)]
 struct Gaps {
     channels: PerChannel<Rhythm>,
-    /// The number of corrupt parts, each of which may have contained messages of any channel.
-    corrupt_parts: u64,
+    /// The times of the latest messages; 0 if unknown.
+    latest: PerChannel<u64>,
     /// The time of the latest message of any channel.
     now: u64,
     /// Pauses that start before this time are excused, because of a dropout.
@@ -57,10 +59,6 @@ struct Rhythm {
     /// Set if log times are known, as in bags. `ULog` files lack them, and have so many messages that a small `Rhythm`
     /// pays off.
     order: Option<Box<Order>>,
-    /// The time of the latest message; 0 if unknown.
-    latest: u64,
-    /// The number of corrupt parts before the latest message.
-    corrupt_parts: u64,
     /// `None` until the topic has shown a regular period.
     period: Option<u64>,
     first: Vec<u64>,
@@ -88,6 +86,7 @@ impl Checker for Gaps {
             return Interest::Nothing;
         }
         self.channels.open(channel, Rhythm::default());
+        self.latest.open(channel, 0);
         Interest::Times
     }
 
@@ -111,11 +110,12 @@ impl Checker for Gaps {
         }
         self.now = self.now.max(timestamp);
         let period = rhythm.period;
-        let is_followed = rhythm.corrupt_parts == self.corrupt_parts;
-        let latest = if is_followed { rhythm.latest } else { 0 };
         // After a step back, which PX-TIME-01 checks, the clock is unknown.
-        rhythm.latest = if timestamp < latest { 0 } else { timestamp };
-        rhythm.corrupt_parts = self.corrupt_parts;
+        let follow = |latest: &mut u64| {
+            let next = if timestamp < *latest { 0 } else { timestamp };
+            mem::replace(latest, next)
+        };
+        let latest = self.latest.get(channel).map_or(0, follow);
         let pause = timestamp.saturating_sub(latest);
         if latest > 0 && pause > 0 {
             rhythm.learn(pause);
@@ -144,7 +144,8 @@ impl Checker for Gaps {
     }
 
     fn corruption(&mut self, _: Location) {
-        self.corrupt_parts += 1;
+        // The corrupt part may have contained messages.
+        self.latest.reset();
     }
 
     fn dropout(&mut self, milliseconds: u16, _: Location) {
