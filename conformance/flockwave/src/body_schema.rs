@@ -22,12 +22,15 @@ mod plain;
 #[cfg_attr(not(feature = "schemas"), path = "body_schema/absent.rs")]
 mod schemas;
 
+use std::fmt;
+use std::sync::Arc;
+
 use uavspec_model::json::{Tree, pointer};
 use uavspec_schema::json_type::Direction;
 use uavspec_schema::source::Span;
 
 pub use self::bodies::DefinedSchemas;
-pub use self::plain::{Members, Scalar};
+pub use self::plain::Members;
 pub use self::schemas::{SchemaError, Schemas};
 
 /// The body schemas of all types: schemas from the definitions, and user-supplied schemas for other types.
@@ -131,7 +134,7 @@ pub enum Fault {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Step {
     /// A defined field.
-    Field(String),
+    Field(Arc<str>),
     /// A list element or a map value.
     Other,
 }
@@ -190,8 +193,8 @@ impl ExpectedValue {
     }
 }
 
-impl std::fmt::Display for ExpectedValue {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+impl fmt::Display for ExpectedValue {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Integer(i128::MIN, i128::MAX) => formatter.write_str("an integer"),
             Self::Integer(low, i128::MAX) => write!(formatter, "an integer of at least {low}"),
@@ -210,6 +213,13 @@ impl std::fmt::Display for ExpectedValue {
             Self::OneOf(known) => write!(formatter, "one of {}", known.join(", ")),
             Self::Nullable(schema) => write!(formatter, "{schema}, or null"),
         }
+    }
+}
+
+/// Displays the message of a finding: [`Detail::differs`](uavspec_model::Detail::differs) at the path.
+impl fmt::Display for Mismatch {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "{}: expected {}, found {}", self.path, self.expected, self.actual)
     }
 }
 
@@ -232,6 +242,8 @@ fn at_index(at: usize) -> String {
 
 #[cfg(test)]
 mod tests {
+    use uavspec_model::Detail;
+
     use super::*;
 
     fn mismatch(schema: ExpectedValue, text: &str) -> Option<(String, String)> {
@@ -252,5 +264,12 @@ mod tests {
     fn reports_the_first_deviation_with_its_location() {
         let map = ExpectedValue::Map(&ExpectedValue::List(&ExpectedValue::Text));
         assert_eq!(mismatch(map, r#"{"a/b": ["x", 7]}"#), Some(("/a~1b/1".to_owned(), "7".to_owned())));
+    }
+
+    #[test]
+    fn a_mismatch_is_displayed_like_its_finding() {
+        let mismatch = Mismatch::new("an integer", "null").below("n");
+        let finding = Detail::differs("an integer", "null").at("/n");
+        assert_eq!(mismatch.to_string(), finding.to_string());
     }
 }

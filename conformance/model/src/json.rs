@@ -22,5 +22,5 @@ mod tree;
 pub use self::error::SyntaxError;
 pub use self::frame::Frame;
 pub use self::pointer::pointer;
-pub use self::tokens::{TRUNCATED, Token, Tokens, Unclear, leading_integer};
+pub use self::tokens::{TRUNCATED, Token, Tokens, Unclear};
 pub use self::tree::{Tree, shortened};

@@ -5,9 +5,6 @@
 //! in a report: its version and, for each state, the present fields, the null fields, and the text of the error codes
 //! ([`Kind`]).
 //!
-//! Nearly all lines and states have the [form](Forms) of an earlier one. The text between their values is then compared
-//! as a whole, and decides the kind of a state.
-//!
 //! When a state of a new kind appears, all message checks ([`Check::Message`](uavspec_rules::flockwave::Check)) run on a
 //! report that contains only this state. The signature of these checks guarantees that nothing else affects them, so
 //! the results apply to all states of that kind. A line takes the general path if its findings are still needed as
@@ -17,21 +14,18 @@
 //! Lines in an unusual form, and other messages, take the general path.
 
 mod cache;
-mod forms;
 
 use std::borrow::Cow;
 use std::collections::HashSet;
-use std::ops::Range;
 
-use uavspec_flockwave::body_schema::{Members, Scalar};
+use uavspec_flockwave::body_schema::Members;
 use uavspec_model::Findings;
-use uavspec_model::json::{Token, Tokens, Tree, Unclear, leading_integer};
+use uavspec_model::json::{Token, Tokens, Tree, Unclear};
 use uavspec_rules::definitions::Definitions;
 use uavspec_rules::flockwave::plausible;
 use uavspec_schema::json_type::Direction;
 
 use self::cache::{Kind, Known};
-use self::forms::Forms;
 
 /// The maximum length of a line on this path, in bytes. The limit ensures that no line exceeds the maximum number of
 /// values in a tree.
@@ -63,12 +57,9 @@ pub(crate) struct Report<'l> {
 }
 
 /// Reads status reports.
-#[derive(Default)]
 pub(super) struct Reports<'d> {
     /// The reader for states. `None` if the fast path can't be used.
     states: Option<States<'d>>,
-    /// The forms of lines.
-    lines: Forms<LineValue, ()>,
 }
 
 /// Reads the states in a report.
@@ -78,17 +69,13 @@ struct States<'d> {
     timestamp: usize,
     errors: usize,
     known: Known<'d>,
-    /// The forms of states, each with the kind of its states.
-    forms: Forms<StateValue<'d>, usize>,
-    /// The positions of the values in the latest state.
-    values: Vec<(Range<usize>, StateValue<'d>)>,
     /// The kind of each state in the latest report.
     kinds: Vec<usize>,
 }
 
 /// The values of a line.
 #[derive(Default)]
-pub(super) struct Line<'l> {
+struct Line<'l> {
     time: Option<f64>,
     name: Option<&'l str>,
     version: Option<&'l str>,
@@ -96,28 +83,6 @@ pub(super) struct Line<'l> {
     timestamps: Option<Vec<(&'l str, Tree<'l>)>>,
     /// One bit for each of [`KEYS`] that was read.
     keys: u16,
-    /// The positions of the values.
-    values: Vec<(Range<usize>, LineValue)>,
-}
-
-/// A value in a line that differs between reports.
-#[derive(Clone, Copy, Debug)]
-enum LineValue {
-    Time,
-    Name,
-    Version,
-    Id,
-    States,
-}
-
-/// A value in a state that differs between states of the same kind.
-#[derive(Clone, Copy, Debug)]
-enum StateValue<'d> {
-    /// The characters of the UAV's id.
-    Id,
-    Timestamp,
-    /// Any other value except null. If a field is null, the state is of another kind.
-    Scalar(Scalar<'d>),
 }
 
 impl Report<'_> {
@@ -135,22 +100,19 @@ impl<'d> Reports<'d> {
             definitions.defined_schemas().members(Report::TYPE, Direction::Notification, "status", plausible);
         let members = members.filter(|members| members.num_fields() <= MAX_FIELDS);
         let states = members.and_then(|members| States::new(members, Known::new(definitions)));
-        Self { states, ..Self::disabled() }
+        Self { states }
     }
 
     /// Creates a reader that leaves all lines to the general path.
     pub(super) fn disabled() -> Self {
-        Self::default()
+        Self { states: None }
     }
 
     /// Reads a line, if it is a status report whose findings may be known.
     pub(super) fn read<'l>(&mut self, bytes: &'l [u8]) -> Option<Report<'l>> {
         let states = self.states.as_mut().filter(|_| bytes.len() <= MAX_LINE)?;
         let text = str::from_utf8(bytes).ok()?;
-        let line = match known_line(text, &self.lines, states) {
-            Some(line) => line,
-            None => new_line(text, &mut self.lines, states).ok()?,
-        };
+        let line = Line::read(text, states).ok()?;
         let (id, timestamps) = (line.id?, line.timestamps?);
         let is_usual = (1..=MAX_ID).contains(&id.len()) && are_different(&timestamps);
         let report =
@@ -179,59 +141,6 @@ impl<'d> Reports<'d> {
     }
 }
 
-/// Reads a line in a known form.
-fn known_line<'l>(text: &'l str, forms: &Forms<LineValue, ()>, states: &mut States<'_>) -> Option<Line<'l>> {
-    let mut line = Line::default();
-    let (length, ()) = forms.read(text, |value, rest| {
-        let mut tokens = Tokens::new(rest);
-        line.read(*value, &mut tokens, states).ok()?;
-        Some(tokens.at())
-    })?;
-    (length == text.len()).then_some(line)
-}
-
-/// Reads a line, and learns its form.
-fn new_line<'l>(
-    text: &'l str,
-    forms: &mut Forms<LineValue, ()>,
-    states: &mut States<'_>,
-) -> Result<Line<'l>, Unclear> {
-    let mut line = Line::default();
-    let mut tokens = Tokens::new(text);
-    let is_text = |tokens: &mut Tokens<'_>, text| if plain(tokens)? == text { Ok(()) } else { Err(Unclear) };
-    tokens.members(|tokens, key| {
-        line.add_key(&key)?;
-        match &*key {
-            "t" => line.find(LineValue::Time, tokens, states),
-            "conn" => line.find(LineValue::Name, tokens, states),
-            "dir" => is_text(tokens, "in"),
-            "msg" => tokens.members(|tokens, key| {
-                line.add_key(&key)?;
-                match &*key {
-                    "$fw.version" => line.find(LineValue::Version, tokens, states),
-                    "id" => line.find(LineValue::Id, tokens, states),
-                    "body" => tokens.members(|tokens, key| {
-                        line.add_key(&key)?;
-                        match &*key {
-                            "type" => is_text(tokens, Report::TYPE),
-                            "status" => line.find(LineValue::States, tokens, states),
-                            _ => Err(Unclear),
-                        }
-                    }),
-                    _ => Err(Unclear),
-                }
-            }),
-            _ => Err(Unclear),
-        }
-    })?;
-    tokens.end()?;
-    if line.keys.count_ones() as usize != KEYS.len() {
-        return Err(Unclear);
-    }
-    forms.learn(text, line.values.drain(..), ());
-    Ok(line)
-}
-
 impl<'l> Line<'l> {
     /// Marks a known key as read. Fails if the key is repeated, because other readers may use the other value.
     fn add_key(&mut self, key: &str) -> Result<(), Unclear> {
@@ -243,31 +152,41 @@ impl<'l> Line<'l> {
         Ok(())
     }
 
-    /// Reads a value, and stores its position.
-    fn find(
-        &mut self,
-        value: LineValue,
-        tokens: &mut Tokens<'l>,
-        states: &mut States<'_>,
-    ) -> Result<(), Unclear> {
-        let start = tokens.at();
-        self.read(value, tokens, states)?;
-        self.values.push((start..tokens.at(), value));
-        Ok(())
+    /// Reads a line. Fails unless it has exactly the [`KEYS`], because other checks examine other members.
+    fn read(text: &'l str, states: &mut States<'_>) -> Result<Self, Unclear> {
+        let mut line = Self::default();
+        let mut tokens = Tokens::new(text);
+        tokens.members(|tokens, key| {
+            line.add_key(&key)?;
+            match &*key {
+                "t" => line.time = Some(time(&tokens.token()?)?),
+                "conn" => line.name = Some(plain(tokens)?),
+                "dir" => expect(tokens, "in")?,
+                "msg" => tokens.members(|tokens, key| line.member(&key, tokens, states))?,
+                _ => return Err(Unclear),
+            }
+            Ok(())
+        })?;
+        tokens.end()?;
+        if line.keys.count_ones() as usize == KEYS.len() { Ok(line) } else { Err(Unclear) }
     }
 
-    fn read(
-        &mut self,
-        value: LineValue,
-        tokens: &mut Tokens<'l>,
-        states: &mut States<'_>,
-    ) -> Result<(), Unclear> {
-        match value {
-            LineValue::Time => self.time = Some(time(&tokens.token()?)?),
-            LineValue::Name => self.name = Some(plain(tokens)?),
-            LineValue::Version => self.version = Some(plain(tokens)?),
-            LineValue::Id => self.id = Some(plain(tokens)?),
-            LineValue::States => self.timestamps = Some(states.read(tokens)?),
+    /// Reads a member of the message.
+    fn member(&mut self, key: &str, tokens: &mut Tokens<'l>, states: &mut States<'_>) -> Result<(), Unclear> {
+        self.add_key(key)?;
+        match key {
+            "$fw.version" => self.version = Some(plain(tokens)?),
+            "id" => self.id = Some(plain(tokens)?),
+            "body" => tokens.members(|tokens, key| {
+                self.add_key(&key)?;
+                match &*key {
+                    "type" => expect(tokens, Report::TYPE)?,
+                    "status" => self.timestamps = Some(states.read(tokens)?),
+                    _ => return Err(Unclear),
+                }
+                Ok(())
+            })?,
+            _ => return Err(Unclear),
         }
         Ok(())
     }
@@ -276,13 +195,11 @@ impl<'l> Line<'l> {
 impl<'d> States<'d> {
     fn new(members: Members<'d>, known: Known<'d>) -> Option<Self> {
         Some(Self {
-            id: members.field("id")?,
-            timestamp: members.field("timestamp")?,
-            errors: members.field("errors")?,
+            id: members.field("id", None)?,
+            timestamp: members.field("timestamp", None)?,
+            errors: members.field("errors", None)?,
             members,
             known,
-            forms: Forms::default(),
-            values: Vec::new(),
             kinds: Vec::new(),
         })
     }
@@ -294,10 +211,7 @@ impl<'d> States<'d> {
         self.kinds.clear();
         tokens.members(|tokens, uav| {
             let Cow::Borrowed(uav) = uav else { return Err(Unclear) };
-            let (timestamp, kind) = match self.known_state(tokens, uav) {
-                Some(read) => read,
-                None => self.new_state(tokens, uav)?,
-            };
+            let (timestamp, kind) = self.state(tokens, uav)?;
             self.kinds.push(kind);
             timestamps.push((uav, Tree::Int(timestamp.into())));
             Ok(())
@@ -305,47 +219,24 @@ impl<'d> States<'d> {
         Ok(timestamps)
     }
 
-    /// Reads the state of a UAV in a known form. Returns the timestamp and the kind.
-    #[inline]
-    fn known_state(&self, tokens: &mut Tokens<'_>, uav: &str) -> Option<(i64, usize)> {
-        let Self { members, id, timestamp: timestamp_field, .. } = self;
-        let mut timestamp = None;
-        let (length, kind) = self.forms.read(tokens.rest_text(), |value, rest| match value {
-            StateValue::Scalar(scalar) => scalar.length(rest),
-            StateValue::Timestamp => {
-                let (value, length) = leading_integer(rest.as_bytes())?;
-                timestamp = Some(value);
-                members.accepts(*timestamp_field, &Token::Int(value.into())).then_some(length)
-            }
-            StateValue::Id => (rest.starts_with(uav) && members.accepts_text(*id, uav)).then_some(uav.len()),
-        })?;
-        tokens.advance(length);
-        Some((timestamp?, kind))
-    }
-
-    /// Reads the state of a UAV, and learns its form. Returns the timestamp and the kind.
-    fn new_state(&mut self, tokens: &mut Tokens<'_>, uav: &str) -> Result<(i64, usize), Unclear> {
+    /// Reads the state of a UAV. Returns the timestamp and the kind.
+    fn state(&mut self, tokens: &mut Tokens<'_>, uav: &str) -> Result<(i64, usize), Unclear> {
         let start = tokens.at();
         let mut kind = Kind::default();
-        let mut timestamp = None;
-        self.values.clear();
+        let (mut timestamp, mut previous) = (None, None);
         tokens.object(|tokens| {
-            let field = self.members.field(&tokens.key()?).ok_or(Unclear)?;
+            let field = self.members.field(&tokens.key()?, previous).ok_or(Unclear)?;
+            previous = Some(field);
             let bit = 1 << field;
             if kind.fields & bit != 0 {
                 return Err(Unclear);
             }
             kind.fields |= bit;
-            tokens.peek();
-            let from = tokens.at() - start;
             let fits = if field == self.id {
                 let id = plain(tokens)?;
-                // Without the quotation marks.
-                self.values.push((from + 1..tokens.at() - start - 1, StateValue::Id));
                 id == uav && self.members.accepts_text(field, id)
             } else if field == self.timestamp {
                 let value = tokens.integer().ok_or(Unclear)?;
-                self.values.push((from..tokens.at() - start, StateValue::Timestamp));
                 timestamp = Some(value);
                 self.members.accepts(field, &Token::Int(value.into()))
             } else if tokens.takes_null() {
@@ -357,10 +248,7 @@ impl<'d> States<'d> {
                 let is_usual = |byte| matches!(byte, b'[' | b']' | b',' | b' ' | b'0'..=b'9');
                 kind.errors.bytes().all(is_usual)
             } else {
-                self.members.takes(field, tokens, |range, scalar| {
-                    let range = range.start - start..range.end - start;
-                    self.values.push((range, StateValue::Scalar(scalar)));
-                })?;
+                self.members.takes(field, tokens)?;
                 true
             };
             if fits { Ok(()) } else { Err(Unclear) }
@@ -368,7 +256,6 @@ impl<'d> States<'d> {
         let timestamp = timestamp.ok_or(Unclear)?;
         let state = tokens.since(start);
         let kind = self.known.kind(kind, (uav, state)).ok_or(Unclear)?;
-        self.forms.learn(state, self.values.drain(..), kind);
         Ok((timestamp, kind))
     }
 }
@@ -376,6 +263,11 @@ impl<'d> States<'d> {
 /// Reads a string without escapes.
 fn plain<'l>(tokens: &mut Tokens<'l>) -> Result<&'l str, Unclear> {
     tokens.plain_text().ok_or(Unclear)
+}
+
+/// Reads a string, if it is this text.
+fn expect(tokens: &mut Tokens<'_>, text: &str) -> Result<(), Unclear> {
+    if plain(tokens)? == text { Ok(()) } else { Err(Unclear) }
 }
 
 /// Reads a time in seconds.

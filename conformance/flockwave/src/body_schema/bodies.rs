@@ -59,8 +59,9 @@ impl DefinedSchemas {
     /// True if a body of this type and direction has a required field. `type` is not part of a body's definition.
     pub fn has_required_fields(&self, type_name: &str, direction: Direction) -> bool {
         let object = self.body(type_name, direction).map(|body| &self.objects[body.object]);
-        object
-            .is_some_and(|object| object.fields.iter().any(|field| field.is_required && field.name != "type"))
+        object.is_some_and(|object| {
+            object.fields.iter().any(|field| field.is_required && *field.name != *"type")
+        })
     }
 
     /// The names of all types and bodies, as used in test vectors.

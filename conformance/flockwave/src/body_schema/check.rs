@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::collections::HashSet;
+use std::sync::Arc;
 
 use uavspec_model::json::{Tree, base64, pointer};
 use uavspec_schema::json_type::Direction;
@@ -111,9 +112,9 @@ impl<'c> Check<'c> {
     /// Reports a deviation of the current value.
     fn deviates(&mut self, fault: Fault, expected: String, actual: String) {
         self.visits += self.path.len() * VISITS_PER_DEVIATION;
-        let keys: Vec<Cow<'_, str>> = self.path.iter().map(At::key).collect();
-        let keys: Vec<&str> = ["body"].into_iter().chain(keys.iter().map(AsRef::as_ref)).collect();
-        let fields: Vec<&str> = self.path.iter().filter_map(|at| Some(at.field()?.name.as_str())).collect();
+        let keys = [Cow::Borrowed("body")].into_iter().chain(self.path.iter().map(At::key));
+        let keys: Vec<Cow<'_, str>> = keys.collect();
+        let fields: Vec<&str> = self.path.iter().filter_map(|at| Some(&*at.field()?.name)).collect();
         let field = self.path.iter().rev().find_map(At::field);
         let span = field.map(|field| field.span).or_else(|| Some(self.body?.span));
         self.deviations.push(Deviation {
@@ -198,17 +199,17 @@ impl<'c> Check<'c> {
     fn object(&mut self, object: &'c Object, members: &'c [(Cow<'c, str>, Tree<'c>)]) {
         let start = self.seen.len();
         self.seen.resize(start + object.fields.len(), false);
-        let mut guess = 0;
+        let mut previous = None;
         for (key, value) in members {
             if self.is_full() {
                 break;
             }
-            match object.field(key, guess) {
+            match object.field(key, previous) {
                 // If a key is repeated, its first value counts.
                 Some(index) if self.seen[start + index] => {}
                 Some(index) => {
                     self.seen[start + index] = true;
-                    guess = index + 1;
+                    previous = Some(index);
                     let field = &object.fields[index];
                     self.step(At::Field(field), &field.schema, value);
                 }
@@ -326,7 +327,7 @@ impl<'c> At<'c> {
 
     fn name(&self) -> Step {
         match self {
-            Self::Field(field) => Step::Field(field.name.clone()),
+            Self::Field(field) => Step::Field(Arc::clone(&field.name)),
             Self::Element(..) | Self::Key(_) | Self::Index(_) => Step::Other,
         }
     }
@@ -409,7 +410,8 @@ fn repeated<'v>(values: &'v [Tree<'_>]) -> Option<&'v Tree<'v>> {
 /// place.
 fn nothing_but(object: &Object, members: &[(Cow<'_, str>, Tree<'_>)]) -> String {
     let keys = members.iter().map(|(key, _)| key.as_ref());
-    let undefined = keys.filter(|key| object.field(key, 0).is_none() && key.chars().count() <= MAX_INSTEAD.1);
+    let undefined =
+        keys.filter(|key| object.field(key, None).is_none() && key.chars().count() <= MAX_INSTEAD.1);
     let listed: Vec<String> = undefined.take(MAX_INSTEAD.0).map(|key| format!("`{key}`")).collect();
     match listed.len() {
         0 => "nothing".to_owned(),

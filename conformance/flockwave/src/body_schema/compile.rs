@@ -79,7 +79,7 @@ impl Compiler<'_> {
 
     fn fields(&mut self, members: &[Member]) -> Vec<Field> {
         let field = |member: &Member| Field {
-            name: member.name.clone(),
+            name: member.name.as_str().into(),
             is_required: member.is_required,
             schema: self.expression(&member.typed.ty, &[&member.typed.limits]),
             span: member.span,

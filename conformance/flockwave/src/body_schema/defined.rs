@@ -1,6 +1,7 @@
 //! Schemas compiled from definitions.
 
 use std::fmt;
+use std::sync::Arc;
 
 use regex_lite::Regex;
 use uavspec_schema::source::Span;
@@ -91,7 +92,9 @@ pub(super) struct Object {
     /// The fields, in the order of the definition.
     pub(super) fields: Vec<Field>,
     /// The indices of the fields, sorted by name.
-    pub(super) by_name: Vec<usize>,
+    by_name: Vec<usize>,
+    /// For each field, the index of the next field by name.
+    next_by_name: Vec<usize>,
     /// True if undefined fields aren't allowed.
     pub(super) is_closed: bool,
 }
@@ -109,7 +112,7 @@ pub(super) struct Tuple {
 #[derive(Debug)]
 pub(super) struct Field {
     /// The name.
-    pub(super) name: String,
+    pub(super) name: Arc<str>,
     /// True if the field or element is required.
     pub(super) is_required: bool,
     /// The schema.
@@ -136,16 +139,22 @@ impl Object {
     pub(super) fn new(name: &str, fields: Vec<Field>, is_closed: bool) -> Self {
         let mut by_name: Vec<usize> = (0..fields.len()).collect();
         by_name.sort_by(|one, other| fields[*one].name.cmp(&fields[*other].name));
-        Self { name: name.to_owned(), fields, by_name, is_closed }
+        let mut next_by_name = vec![0; fields.len()];
+        by_name.windows(2).for_each(|pair| next_by_name[pair[0]] = pair[1]);
+        Self { name: name.to_owned(), fields, by_name, next_by_name, is_closed }
     }
 
-    /// The index of a field. The index `guess` is tried first, since most writers keep the order of the definition.
-    pub(super) fn field(&self, name: &str, guess: usize) -> Option<usize> {
-        if self.fields.get(guess).is_some_and(|field| field.name == name) {
-            return Some(guess);
-        }
-        let by_name = |index: &usize| self.fields[*index].name.as_str().cmp(name);
-        self.by_name.binary_search_by(by_name).ok().map(|at| self.by_name[at])
+    /// The index of a field. Most writers keep the order of the definition or sort the fields by name, so the fields that
+    /// follow `previous` in these orders are tried first.
+    pub(super) fn field(&self, name: &str, previous: Option<usize>) -> Option<usize> {
+        let guesses = match previous {
+            Some(previous) => [previous + 1, self.next_by_name[previous]],
+            None => [0, self.by_name.first().copied().unwrap_or_default()],
+        };
+        let is_named = |index: &usize| self.fields.get(*index).is_some_and(|field| *field.name == *name);
+        let by_name = |index: &usize| (*self.fields[*index].name).cmp(name);
+        let search = || Some(self.by_name[self.by_name.binary_search_by(by_name).ok()?]);
+        guesses.into_iter().find(is_named).or_else(search)
     }
 }
 

@@ -3,9 +3,7 @@
 //! This module only confirms valid values. For all other values, [`super::check`] examines a tree. Nearly all values in
 //! UAV states are integers, so integer schemas are stored as 64-bit ranges.
 
-use std::ops::Range;
-
-use uavspec_model::json::{Token, Tokens, Unclear, leading_integer};
+use uavspec_model::json::{Token, Tokens, Unclear};
 use uavspec_schema::json_type::Direction;
 
 use super::bodies::DefinedSchemas;
@@ -41,11 +39,7 @@ enum Plain<'s> {
 
 /// The schema of a scalar value.
 #[derive(Clone, Copy, Debug)]
-pub struct Scalar<'s>(Allowed<'s>);
-
-/// The values that a schema allows.
-#[derive(Clone, Copy, Debug)]
-enum Allowed<'s> {
+enum Scalar<'s> {
     /// An integer from the first to the second value.
     Range(i64, i64),
     /// A nullable integer from the first to the second value.
@@ -64,7 +58,7 @@ impl DefinedSchemas {
         limits: fn(&str, usize) -> Option<(i64, i64)>,
     ) -> Option<Members<'_>> {
         let body = &self.objects[self.body(type_name, direction)?.object];
-        let ValueSchema::Map(inner) = &body.fields[body.field(map, 0)?].schema else { return None };
+        let ValueSchema::Map(inner) = &body.fields[body.field(map, None)?].schema else { return None };
         let ValueSchema::Object(index) = **inner else { return None };
         let object = &self.objects[index];
         let fields = object.fields.iter().map(|field| {
@@ -75,15 +69,15 @@ impl DefinedSchemas {
     }
 }
 
-impl<'s> Members<'s> {
+impl Members<'_> {
     /// The number of fields.
     pub fn num_fields(&self) -> usize {
         self.fields.len()
     }
 
-    /// The index of a field.
-    pub fn field(&self, name: &str) -> Option<usize> {
-        self.object.field(name, 0)
+    /// The index of a field. The search is fast for the field that usually follows `previous`.
+    pub fn field(&self, name: &str, previous: Option<usize>) -> Option<usize> {
+        self.object.field(name, previous)
     }
 
     /// True if the value of a field matches its schema.
@@ -96,29 +90,14 @@ impl<'s> Members<'s> {
         accepts_text(self.fields[field].schema, text)
     }
 
-    /// Reads the value of a field. Fails if the value isn't clearly valid. Calls `found` with the position and the
-    /// schema of each scalar that isn't null.
-    pub fn takes(
-        &self,
-        field: usize,
-        tokens: &mut Tokens<'_>,
-        mut found: impl FnMut(Range<usize>, Scalar<'s>),
-    ) -> Result<(), Unclear> {
-        let mut take = |scalar: &Scalar<'s>, tokens: &mut Tokens<'_>| {
-            tokens.peek();
-            let start = tokens.at();
-            scalar.takes(tokens)?;
-            if tokens.since(start) != "null" {
-                found(start..tokens.at(), *scalar);
-            }
-            Ok(())
-        };
+    /// Reads the value of a field. Fails if the value isn't clearly valid.
+    pub fn takes(&self, field: usize, tokens: &mut Tokens<'_>) -> Result<(), Unclear> {
         match &self.fields[field].plain {
-            Plain::One(scalar) => take(scalar, tokens),
+            Plain::One(scalar) => scalar.takes(tokens),
             Plain::Tuple(elements, length) => {
-                list(tokens, *length, |at, tokens| take(elements.get(at).ok_or(Unclear)?, tokens))
+                list(tokens, *length, |at, tokens| elements.get(at).ok_or(Unclear)?.takes(tokens))
             }
-            Plain::List(element, length) => list(tokens, *length, |_, tokens| take(element, tokens)),
+            Plain::List(element, length) => list(tokens, *length, |_, tokens| element.takes(tokens)),
         }
     }
 }
@@ -151,59 +130,47 @@ impl<'s> Plain<'s> {
 
 impl<'s> Scalar<'s> {
     /// A value that is never clearly valid.
-    const UNCLEAR: Self = Self(Allowed::Range(1, 0));
+    const UNCLEAR: Self = Self::Range(1, 0);
 
     fn new(schema: &'s ValueSchema) -> Self {
-        Self(match schema {
+        match schema {
             ValueSchema::Integer(low, high) => {
                 let bound = |bound: &i128| i64::try_from((*bound).clamp(i64::MIN.into(), i64::MAX.into()));
                 bound(low)
                     .ok()
                     .zip(bound(high).ok())
-                    .map_or(Allowed::Other(schema), |(low, high)| Allowed::Range(low, high))
+                    .map_or(Self::Other(schema), |(low, high)| Self::Range(low, high))
             }
             ValueSchema::Either(all) => match &all[..] {
-                [one, ValueSchema::Null] | [ValueSchema::Null, one] => match Self::new(one).0 {
-                    Allowed::Range(low, high) => Allowed::Nullable(low, high),
-                    _ => Allowed::Other(schema),
+                [one, ValueSchema::Null] | [ValueSchema::Null, one] => match Self::new(one) {
+                    Self::Range(low, high) => Self::Nullable(low, high),
+                    _ => Self::Other(schema),
                 },
-                _ => Allowed::Other(schema),
+                _ => Self::Other(schema),
             },
-            schema => Allowed::Other(schema),
-        })
+            schema => Self::Other(schema),
+        }
     }
 
     /// Restricts the value to a range. Only ranges of integers are compared here.
     fn within(self, limits: Option<(i64, i64)>) -> Self {
         let Some((min, max)) = limits else { return self };
-        Self(match self.0 {
-            Allowed::Range(low, high) => Allowed::Range(low.max(min), high.min(max)),
-            Allowed::Nullable(low, high) => Allowed::Nullable(low.max(min), high.min(max)),
-            Allowed::Other(_) => return Self::UNCLEAR,
-        })
-    }
-
-    /// The length of the value at the start of a text. `None` if the value is null or isn't clearly valid.
-    #[inline]
-    pub fn length(&self, text: &str) -> Option<usize> {
-        if let Allowed::Range(low, high) | Allowed::Nullable(low, high) = self.0 {
-            let (value, length) = leading_integer(text.as_bytes())?;
-            return (low <= value && value <= high).then_some(length);
+        match self {
+            Self::Range(low, high) => Self::Range(low.max(min), high.min(max)),
+            Self::Nullable(low, high) => Self::Nullable(low.max(min), high.min(max)),
+            Self::Other(_) => Self::UNCLEAR,
         }
-        let mut tokens = Tokens::new(text);
-        let is_valid = !tokens.takes_null() && self.takes(&mut tokens).is_ok();
-        is_valid.then(|| tokens.at())
     }
 
     /// Reads a value. Fails if the value isn't clearly valid.
     #[inline]
     fn takes(&self, tokens: &mut Tokens<'_>) -> Result<(), Unclear> {
-        let fits = match self.0 {
-            Allowed::Nullable(..) if tokens.takes_null() => true,
-            Allowed::Range(low, high) | Allowed::Nullable(low, high) => {
+        let fits = match *self {
+            Self::Nullable(..) if tokens.takes_null() => true,
+            Self::Range(low, high) | Self::Nullable(low, high) => {
                 tokens.integer().is_some_and(|value| low <= value && value <= high)
             }
-            Allowed::Other(schema) => match tokens.plain_text() {
+            Self::Other(schema) => match tokens.plain_text() {
                 Some(text) => accepts_text(schema, text),
                 None => accepts(schema, &tokens.token()?),
             },

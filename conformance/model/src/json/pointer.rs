@@ -1,18 +1,29 @@
 //! JSON pointers.
 
-use std::fmt::Write as _;
-
 /// The maximum length of a key, in characters.
 const MAX_KEY: usize = 64;
 
 /// A JSON pointer (RFC 6901). Very long keys are shortened.
-pub fn pointer(keys: &[&str]) -> String {
-    let mut pointer = String::new();
+pub fn pointer<K: AsRef<str>>(keys: &[K]) -> String {
+    let keys = keys.iter().map(AsRef::as_ref);
+    let mut pointer = String::with_capacity(keys.clone().map(|key| 1 + key.len()).sum());
     for key in keys {
-        let escaped = key.chars().take(MAX_KEY).collect::<String>().replace('~', "~0").replace('/', "~1");
-        let more = if key.chars().nth(MAX_KEY).is_some() { "…" } else { "" };
-        // Writing to a string can't fail.
-        let _ = write!(pointer, "/{escaped}{more}");
+        pointer.push('/');
+        if key.len() <= MAX_KEY && !key.contains(['~', '/']) {
+            pointer.push_str(key);
+            continue;
+        }
+        for (at, character) in key.chars().enumerate() {
+            match character {
+                _ if at == MAX_KEY => {
+                    pointer.push('…');
+                    break;
+                }
+                '~' => pointer.push_str("~0"),
+                '/' => pointer.push_str("~1"),
+                other => pointer.push(other),
+            }
+        }
     }
     pointer
 }

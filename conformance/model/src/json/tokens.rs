@@ -90,16 +90,6 @@ impl<'t> Tokens<'t> {
         &self.text[start..self.at]
     }
 
-    /// The text from the current position.
-    pub fn rest_text(&self) -> &'t str {
-        &self.text[self.at..]
-    }
-
-    /// Moves past a text that was read without this tokenizer.
-    pub fn advance(&mut self, length: usize) {
-        self.at += length;
-    }
-
     fn rest(&self) -> &'t [u8] {
         &self.text.as_bytes()[self.at..]
     }
@@ -425,7 +415,7 @@ impl<'t> Tokens<'t> {
 
 /// The integer at the start of a text, and its length. See [`Tokens::integer`].
 #[inline]
-pub fn leading_integer(text: &[u8]) -> Option<(i64, usize)> {
+fn leading_integer(text: &[u8]) -> Option<(i64, usize)> {
     let is_negative = *text.first()? == b'-';
     let digits = &text[usize::from(is_negative)..];
     let (mut value, mut length) = (0, 0);

@@ -64,7 +64,7 @@ fn matches_path(path: &str, steps: &[Step]) -> bool {
         match (name, steps.next()) {
             ("**", _) => return true,
             ("*", Some(_)) => {}
-            (name, Some(Step::Field(field))) if field == name => {}
+            (name, Some(Step::Field(field))) if **field == *name => {}
             _ => return false,
         }
     }
@@ -98,7 +98,7 @@ mod tests {
         // An id may be equal to a field name.
         let step = |name: &&str| match name.strip_prefix('=') {
             Some(_) => Step::Other,
-            None => Step::Field((*name).to_owned()),
+            None => Step::Field((*name).into()),
         };
         let deviation = Deviation {
             steps: path.iter().map(step).collect(),
