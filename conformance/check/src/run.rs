@@ -387,6 +387,8 @@ impl<'d> CheckRun<'d> {
             {
                 let path = if detail.path.is_empty() { "/body" } else { &detail.path };
                 detail.excerpt = message_excerpt(message, path);
+            } else if detail.excerpt.is_empty() {
+                detail.excerpt = exchange.excerpt();
             }
         });
     }

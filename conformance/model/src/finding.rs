@@ -1,6 +1,8 @@
 //! Findings, grouped by rule and subject, with a few examples for each group.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, btree_map};
+use std::fmt::{self, Write as _};
+use std::sync::Arc;
 
 use serde::Serialize;
 use uavspec_schema::source::Span;
@@ -27,8 +29,8 @@ pub struct Group {
     /// The message that shares the shortest prefix with the first message. `None` if all messages start with the whole
     /// first message.
     pub farthest: Option<String>,
-    /// The length of the common prefix of all messages, in bytes.
-    common: usize,
+    /// The common prefix of all messages.
+    prefix: String,
     /// The location of the violated definition.
     pub definition: Option<Span>,
     /// The entry of a baseline, if any.
@@ -53,14 +55,14 @@ impl Group {
     }
 
     /// Shortens the common prefix if another finding's message doesn't start with that prefix.
-    fn compare(&mut self, message: String) {
-        let first = self.examples.first().map_or_else(|| message.clone(), |(_, detail)| detail.to_string());
-        let pairs = first.chars().zip(message.chars());
-        let common = pairs.take_while(|(left, right)| left == right).map(|(left, _)| left.len_utf8()).sum();
-        // If all other messages start with the whole first message, the first message represents them.
-        if common < self.common {
-            self.common = common;
-            self.farthest = (common < first.len()).then_some(message);
+    fn compare(&mut self, message: &dyn fmt::Display) {
+        if !starts_with(message, &self.prefix) {
+            let message = message.to_string();
+            let pairs = self.prefix.chars().zip(message.chars());
+            let common =
+                pairs.take_while(|(left, right)| left == right).map(|(left, _)| left.len_utf8()).sum();
+            self.prefix.truncate(common);
+            self.farthest = Some(message);
         }
     }
 }
@@ -106,12 +108,12 @@ impl Verdict {
     }
 }
 
-/// The key of a group.
+/// The key of a group. Copies share the subject, because each finding needs several.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Key {
     /// The id of the rule.
     rule: &'static str,
-    subject: String,
+    subject: Arc<str>,
     instance: Option<u8>,
     /// The location of the violated PX4 or ROS 2 definition. A topic of a bag may have messages of several types.
     definition: Option<Span>,
@@ -121,7 +123,7 @@ impl Key {
     fn new(rule: &Rule, subject: SubjectName<'_>, definition: Option<Span>) -> Self {
         let SubjectName { name, instance } = subject;
         let definition = definition.filter(|_| !rule.is_on_flockwave());
-        Self { rule: rule.id, subject: name.to_owned(), instance, definition }
+        Self { rule: rule.id, subject: name.into(), instance, definition }
     }
 }
 
@@ -138,8 +140,7 @@ pub struct Findings {
 }
 
 /// A violation that has been counted, and whose details are still missing.
-#[must_use = "without its details, a violation has no example"]
-pub struct Counted<'f> {
+struct Counted<'f> {
     group: &'f mut Group,
     key: Key,
     incomplete: &'f mut Vec<(Key, usize)>,
@@ -148,9 +149,13 @@ pub struct Counted<'f> {
 
 impl Counted<'_> {
     /// Adds the details.
-    pub fn describe(self, detail: Detail) {
+    fn describe(self, detail: Detail) {
         let Self { group, key, incomplete, location } = self;
-        group.compare(detail.to_string());
+        if group.count == 1 {
+            group.prefix = detail.to_string();
+        } else {
+            group.compare(&detail);
+        }
         if !group.has_examples() {
             incomplete.push((key, group.examples.len()));
             group.examples.push((location, detail));
@@ -172,7 +177,7 @@ struct Counts {
 impl Findings {
     /// Adds to the number of items that a rule checked.
     pub fn cover(&mut self, rule: &'static Rule, times: u64) {
-        self.counts_of(rule).covered += times;
+        counts_of(&mut self.counts, rule).covered += times;
     }
 
     /// Reports a violation of a rule in `subject`.
@@ -193,7 +198,7 @@ impl Findings {
     ///
     /// The compiler copies `report` for each of its many callers, so all code that doesn't depend on the caller is
     /// here.
-    pub fn count_violation(
+    fn count_violation(
         &mut self,
         rule: &'static Rule,
         subject: SubjectName<'_>,
@@ -201,40 +206,54 @@ impl Findings {
         definition: Option<Span>,
     ) -> Option<Counted<'_>> {
         let key = Key::new(rule, subject, definition);
-        if !self.groups.contains_key(&key) {
-            let is_full = self.groups.len() >= MAX_ALL_GROUPS;
-            let counts = self.counts_of(rule);
-            if is_full || counts.num_groups >= MAX_GROUPS {
-                counts.dropped += 1;
-                return None;
-            }
-            counts.num_groups += 1;
-        }
-        let group = self.groups.entry(key.clone()).or_insert_with(|| Group {
-            rule,
-            subject: key.subject.clone(),
-            instance: key.instance,
-            count: 0,
-            examples: Vec::new(),
-            farthest: None,
-            common: usize::MAX,
-            definition,
-            known: None,
-        });
-        group.count += 1;
-        match &mut self.latest {
-            Some((latest, keys)) if *latest == location => {
-                if keys.len() < MAX_LATEST {
-                    keys.push(key.clone());
+        let is_full = self.groups.len() >= MAX_ALL_GROUPS;
+        let group = match self.groups.entry(key.clone()) {
+            btree_map::Entry::Occupied(known) => known.into_mut(),
+            btree_map::Entry::Vacant(new) => {
+                let counts = counts_of(&mut self.counts, rule);
+                if is_full || counts.num_groups >= MAX_GROUPS {
+                    counts.dropped += 1;
+                    return None;
                 }
+                counts.num_groups += 1;
+                new.insert(Group {
+                    rule,
+                    subject: subject.name.to_owned(),
+                    instance: key.instance,
+                    count: 0,
+                    examples: Vec::new(),
+                    farthest: None,
+                    prefix: String::new(),
+                    definition,
+                    known: None,
+                })
             }
-            latest => *latest = Some((location, vec![key.clone()])),
-        }
+        };
+        group.count += 1;
+        remember(&mut self.latest, key.clone(), location);
         // An empty common prefix can't get shorter.
-        if group.has_examples() && group.common == 0 {
+        if group.has_examples() && group.prefix.is_empty() {
             return None;
         }
         Some(Counted { group, key, incomplete: &mut self.incomplete, location })
+    }
+
+    /// Counts a violation whose details aren't needed: its group has enough examples, and its message starts with the
+    /// common prefix of the group's messages. Returns false if the violation must be reported with its details instead.
+    pub fn repeat<'s>(
+        &mut self,
+        rule: &'static Rule,
+        subject: impl Into<SubjectName<'s>>,
+        location: Location,
+        definition: Option<Span>,
+        message: &dyn fmt::Display,
+    ) -> bool {
+        let key = Key::new(rule, subject.into(), definition);
+        let is_repeated = |group: &&mut Group| group.has_examples() && starts_with(message, &group.prefix);
+        let Some(group) = self.groups.get_mut(&key).filter(is_repeated) else { return false };
+        group.count += 1;
+        remember(&mut self.latest, key, location);
+        true
     }
 
     /// Removes the findings in a record, if they are the latest findings.
@@ -263,7 +282,7 @@ impl Findings {
         if group.count == 0 {
             let rule = group.rule;
             self.groups.remove(key);
-            self.counts_of(rule).num_groups -= 1;
+            counts_of(&mut self.counts, rule).num_groups -= 1;
         }
     }
 
@@ -330,7 +349,7 @@ impl Findings {
     /// no longer rely on a common prefix of all messages. Returns false if there is no such group.
     pub fn settle(&mut self, rule: &Rule, subject: SubjectName<'_>, definition: Option<Span>) -> bool {
         let group = self.groups.get_mut(&Key::new(rule, subject, definition));
-        group.map(|group| group.compare(String::new())).is_some()
+        group.map(|group| group.compare(&"")).is_some()
     }
 
     /// Counts further findings in a group that has enough examples.
@@ -375,17 +394,6 @@ impl Findings {
         self.counts.iter().find(|(known, _)| std::ptr::eq(*known, rule)).map(|(_, counts)| counts)
     }
 
-    /// The counts of a rule. They are created with zeros if the rule has none yet.
-    fn counts_of(&mut self, rule: &'static Rule) -> &mut Counts {
-        let at = self.counts.iter().position(|(known, _)| std::ptr::eq(*known, rule));
-        let at = at.unwrap_or_else(|| {
-            let at = self.counts.partition_point(|(known, _)| known.id < rule.id);
-            self.counts.insert(at, (rule, Counts::default()));
-            at
-        });
-        &mut self.counts[at].1
-    }
-
     /// Marks the groups for which `excuse` returns a known failure.
     pub fn excuse(&mut self, mut excuse: impl FnMut(&Group) -> Option<Excuse>) {
         self.groups.values_mut().for_each(|group| group.known = excuse(group));
@@ -404,6 +412,51 @@ impl Findings {
             (false, _) => Verdict::Pass,
         }
     }
+}
+
+/// Adds the group of a finding to those of the latest record.
+fn remember(latest: &mut Option<(Location, Vec<Key>)>, key: Key, location: Location) {
+    match latest {
+        Some((latest, keys)) if *latest == location => {
+            if keys.len() < MAX_LATEST {
+                keys.push(key);
+            }
+        }
+        latest => *latest = Some((location, vec![key])),
+    }
+}
+
+/// True if a displayed text starts with `prefix`. The text is written only up to the end of the prefix.
+fn starts_with(text: &dyn fmt::Display, prefix: &str) -> bool {
+    struct Rest<'p>(&'p [u8]);
+
+    impl fmt::Write for Rest<'_> {
+        fn write_str(&mut self, part: &str) -> fmt::Result {
+            let common = part.len().min(self.0.len());
+            let (start, rest) = self.0.split_at(common);
+            if *start != part.as_bytes()[..common] {
+                return Err(fmt::Error);
+            }
+            self.0 = rest;
+            // An error ends the writing.
+            if rest.is_empty() { Err(fmt::Error) } else { Ok(()) }
+        }
+    }
+
+    let mut rest = Rest(prefix.as_bytes());
+    let _ = write!(rest, "{text}");
+    rest.0.is_empty()
+}
+
+/// The counts of a rule. They are created with zeros if the rule has none yet.
+fn counts_of<'c>(counts: &'c mut Vec<(&'static Rule, Counts)>, rule: &'static Rule) -> &'c mut Counts {
+    let at = counts.iter().position(|(known, _)| std::ptr::eq(*known, rule));
+    let at = at.unwrap_or_else(|| {
+        let at = counts.partition_point(|(known, _)| known.id < rule.id);
+        counts.insert(at, (rule, Counts::default()));
+        at
+    });
+    &mut counts[at].1
 }
 
 #[cfg(test)]
@@ -475,6 +528,25 @@ mod tests {
         // The messages have no common prefix, because the messages of the counted findings are unknown.
         assert_eq!(messages_of(&findings), ["odd 2", "odd 3", "odd 4", ""]);
         assert!(!findings.settle(rule, "glider.mode".into(), None));
+    }
+
+    #[test]
+    fn repeated_findings_have_the_same_result_as_reported_ones() {
+        let all =
+            ["153 is odd", "153 is odd", "15 is odd", "153 is even", "1", "", "153 is odd", "94 is odd"];
+        for messages in (0..=all.len()).map(|count| &all[..count]) {
+            let mut findings = Findings::default();
+            for (line, message) in (1..).map(Location::Line).zip(messages) {
+                if !findings.repeat(&RULES[0], "glider.is_landed", line, None, message) {
+                    let detail = || Detail::new(*message);
+                    findings.report(&RULES[0], "glider.is_landed", line, None, detail);
+                }
+            }
+            let reported = reported(messages);
+            assert_eq!(messages_of(&findings), messages_of(&reported));
+            let counts = |findings: &Findings| findings.groups().map(|group| group.count).collect::<Vec<_>>();
+            assert_eq!(counts(&findings), counts(&reported));
+        }
     }
 
     #[test]

@@ -31,7 +31,7 @@ pub use self::application::ApplicationType;
 pub use self::detail::{Detail, hexadecimal};
 pub use self::endpoint::{Durability, Endpoint, EndpointKind, History, Liveliness, Qos, Reliability};
 pub use self::excuse::{Excuse, ExcuseKind};
-pub use self::finding::{Counted, Findings, Group, MAX_EXAMPLES, Verdict};
+pub use self::finding::{Findings, Group, MAX_EXAMPLES, Verdict};
 pub use self::reason::Reason;
 pub use self::recent::Recent;
 pub use self::record::{Channel, Extent, Location, Message};

@@ -20,7 +20,7 @@ pub mod flockwave;
 pub mod px4;
 pub mod sample;
 
-use uavspec_model::{Counted, Detail, Findings, Location, Rule, SubjectName};
+use uavspec_model::{Detail, Findings, Location, Rule, SubjectName};
 use uavspec_px4::event::EventMetadata;
 use uavspec_schema::MessageId;
 use uavspec_schema::source::Span;
@@ -155,11 +155,6 @@ impl RuleContext<'_> {
     /// Reports a violation of the rule.
     pub(crate) fn violation(&mut self, subject: &str, location: Location, detail: impl FnOnce() -> Detail) {
         self.violation_of(subject, location, None, detail);
-    }
-
-    /// Counts a violation of the rule. Returns `None` if its details are not needed.
-    pub(crate) fn count_violation(&mut self, subject: &str, location: Location) -> Option<Counted<'_>> {
-        self.findings.count_violation(self.rule, subject.into(), location, None)
     }
 
     /// Reports a violation, with the location of the violated definition.

@@ -70,7 +70,6 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
                 .expected(expected)
                 .actual(found.to_string())
                 .disputed(true)
-                .excerpt(exchange.excerpt())
         });
     }
 }

@@ -55,9 +55,10 @@ fn non_strict(value: &Tree<'_>) -> Option<(String, String)> {
     let below = |key: &str, (path, what): (String, String)| (pointer(&[key]) + &path, what);
     match value {
         Tree::Token(word) => Some((String::new(), format!("{word} is not valid JSON"))),
-        Tree::List(values) => {
-            values.iter().enumerate().find_map(|(at, value)| Some(below(&at.to_string(), non_strict(value)?)))
-        }
+        Tree::List(values) => values.iter().enumerate().find_map(|(at, value)| {
+            let found = non_strict(value)?;
+            Some(below(&at.to_string(), found))
+        }),
         Tree::Object(members) => {
             let mut seen = HashSet::new();
             members.iter().enumerate().find_map(|(at, (key, value))| {

@@ -89,18 +89,21 @@ impl<'t> Message<'t> {
         context: &mut RuleContext<'_>,
         detail: impl FnOnce() -> Detail,
     ) {
-        if let Some(found) = context.count_violation(subject, self.exchange.record.location) {
-            found.describe(detail().excerpt(self.exchange.excerpt()));
-        }
+        context.violation(subject, self.exchange.record.location, detail);
     }
 
     /// Reports a body schema violation in a field or in the whole body.
     pub(super) fn deviates(&self, context: &mut RuleContext<'_>, field: &str, deviation: &Deviation) {
         let name = self.exchange.subject();
         let subject = if field.is_empty() { name } else { format!("{name}.{field}").into() };
-        context.violation_of(&*subject, self.exchange.record.location, deviation.definition, || {
-            let Mismatch { path, expected, actual } = &deviation.mismatch;
-            Detail::differs(expected, actual).at(path).excerpt(self.exchange.excerpt())
+        let (location, definition) = (self.exchange.record.location, deviation.definition);
+        let mismatch = &deviation.mismatch;
+        if context.findings.repeat(context.rule, &*subject, location, definition, mismatch) {
+            return;
+        }
+        context.violation_of(&*subject, location, definition, || {
+            let Mismatch { path, expected, actual } = mismatch;
+            Detail::differs(expected, actual).at(path)
         });
     }
 }
@@ -195,15 +198,10 @@ pub(super) trait Violates {
 
 impl Violates for Exchange<'_> {
     fn violates(&self, context: &mut RuleContext<'_>, detail: impl FnOnce() -> Detail) {
-        if let Some(found) = context.count_violation(&self.subject(), self.record.location) {
-            found.describe(detail().excerpt(self.excerpt()));
-        }
+        context.violation(&self.subject(), self.record.location, detail);
     }
 
     fn violates_in(&self, field: &str, context: &mut RuleContext<'_>, detail: impl FnOnce() -> Detail) {
-        let subject = format!("{}.{field}", self.subject());
-        if let Some(found) = context.count_violation(&subject, self.record.location) {
-            found.describe(detail().excerpt(self.excerpt()));
-        }
+        context.violation(&format!("{}.{field}", self.subject()), self.record.location, detail);
     }
 }
