@@ -1,7 +1,6 @@
 //! Findings, grouped by rule and subject, with a few examples for each group.
 
 use std::collections::{BTreeMap, btree_map};
-use std::fmt::{self, Write as _};
 use std::sync::Arc;
 
 use serde::Serialize;
@@ -55,9 +54,8 @@ impl Group {
     }
 
     /// Shortens the common prefix if another finding's message doesn't start with that prefix.
-    fn compare(&mut self, message: &dyn fmt::Display) {
-        if !starts_with(message, &self.prefix) {
-            let message = message.to_string();
+    fn compare(&mut self, message: String) {
+        if !message.starts_with(&self.prefix) {
             let pairs = self.prefix.chars().zip(message.chars());
             let common =
                 pairs.take_while(|(left, right)| left == right).map(|(left, _)| left.len_utf8()).sum();
@@ -154,7 +152,7 @@ impl Counted<'_> {
         if group.count == 1 {
             group.prefix = detail.to_string();
         } else {
-            group.compare(&detail);
+            group.compare(detail.to_string());
         }
         if !group.has_examples() {
             incomplete.push((key, group.examples.len()));
@@ -230,30 +228,19 @@ impl Findings {
             }
         };
         group.count += 1;
-        remember(&mut self.latest, key.clone(), location);
+        match &mut self.latest {
+            Some((latest, keys)) if *latest == location => {
+                if keys.len() < MAX_LATEST {
+                    keys.push(key.clone());
+                }
+            }
+            latest => *latest = Some((location, vec![key.clone()])),
+        }
         // An empty common prefix can't get shorter.
         if group.has_examples() && group.prefix.is_empty() {
             return None;
         }
         Some(Counted { group, key, incomplete: &mut self.incomplete, location })
-    }
-
-    /// Counts a violation whose details aren't needed: its group has enough examples, and its message starts with the
-    /// common prefix of the group's messages. Returns false if the violation must be reported with its details instead.
-    pub fn repeat<'s>(
-        &mut self,
-        rule: &'static Rule,
-        subject: impl Into<SubjectName<'s>>,
-        location: Location,
-        definition: Option<Span>,
-        message: &dyn fmt::Display,
-    ) -> bool {
-        let key = Key::new(rule, subject.into(), definition);
-        let is_repeated = |group: &&mut Group| group.has_examples() && starts_with(message, &group.prefix);
-        let Some(group) = self.groups.get_mut(&key).filter(is_repeated) else { return false };
-        group.count += 1;
-        remember(&mut self.latest, key, location);
-        true
     }
 
     /// Removes the findings in a record, if they are the latest findings.
@@ -349,7 +336,7 @@ impl Findings {
     /// no longer rely on a common prefix of all messages. Returns false if there is no such group.
     pub fn settle(&mut self, rule: &Rule, subject: SubjectName<'_>, definition: Option<Span>) -> bool {
         let group = self.groups.get_mut(&Key::new(rule, subject, definition));
-        group.map(|group| group.compare(&"")).is_some()
+        group.map(|group| group.compare(String::new())).is_some()
     }
 
     /// Counts further findings in a group that has enough examples.
@@ -412,40 +399,6 @@ impl Findings {
             (false, _) => Verdict::Pass,
         }
     }
-}
-
-/// Adds the group of a finding to those of the latest record.
-fn remember(latest: &mut Option<(Location, Vec<Key>)>, key: Key, location: Location) {
-    match latest {
-        Some((latest, keys)) if *latest == location => {
-            if keys.len() < MAX_LATEST {
-                keys.push(key);
-            }
-        }
-        latest => *latest = Some((location, vec![key])),
-    }
-}
-
-/// True if a displayed text starts with `prefix`. The text is written only up to the end of the prefix.
-fn starts_with(text: &dyn fmt::Display, prefix: &str) -> bool {
-    struct Rest<'p>(&'p [u8]);
-
-    impl fmt::Write for Rest<'_> {
-        fn write_str(&mut self, part: &str) -> fmt::Result {
-            let common = part.len().min(self.0.len());
-            let (start, rest) = self.0.split_at(common);
-            if *start != part.as_bytes()[..common] {
-                return Err(fmt::Error);
-            }
-            self.0 = rest;
-            // An error ends the writing.
-            if rest.is_empty() { Err(fmt::Error) } else { Ok(()) }
-        }
-    }
-
-    let mut rest = Rest(prefix.as_bytes());
-    let _ = write!(rest, "{text}");
-    rest.0.is_empty()
 }
 
 /// The counts of a rule. They are created with zeros if the rule has none yet.
@@ -528,25 +481,6 @@ mod tests {
         // The messages have no common prefix, because the messages of the counted findings are unknown.
         assert_eq!(messages_of(&findings), ["odd 2", "odd 3", "odd 4", ""]);
         assert!(!findings.settle(rule, "glider.mode".into(), None));
-    }
-
-    #[test]
-    fn repeated_findings_have_the_same_result_as_reported_ones() {
-        let all =
-            ["153 is odd", "153 is odd", "15 is odd", "153 is even", "1", "", "153 is odd", "94 is odd"];
-        for messages in (0..=all.len()).map(|count| &all[..count]) {
-            let mut findings = Findings::default();
-            for (line, message) in (1..).map(Location::Line).zip(messages) {
-                if !findings.repeat(&RULES[0], "glider.is_landed", line, None, message) {
-                    let detail = || Detail::new(*message);
-                    findings.report(&RULES[0], "glider.is_landed", line, None, detail);
-                }
-            }
-            let reported = reported(messages);
-            assert_eq!(messages_of(&findings), messages_of(&reported));
-            let counts = |findings: &Findings| findings.groups().map(|group| group.count).collect::<Vec<_>>();
-            assert_eq!(counts(&findings), counts(&reported));
-        }
     }
 
     #[test]

@@ -64,7 +64,7 @@ impl<K: Clone + Ord, V> Remembered<K, V> {
     pub(crate) fn insert_new(&mut self, key: K, value: V, size: usize) -> bool {
         let is_new = !self.contains(&key);
         if is_new {
-            self.add(key, value, size);
+            self.insert(key, value, size);
         }
         is_new
     }
@@ -72,11 +72,6 @@ impl<K: Clone + Ord, V> Remembered<K, V> {
     /// Inserts a value of roughly this size in bytes, replacing any existing value for the key.
     pub fn insert(&mut self, key: K, value: V, size: usize) {
         self.remove(&key);
-        self.add(key, value, size);
-    }
-
-    /// Adds a value for a new key.
-    fn add(&mut self, key: K, value: V, size: usize) {
         let size = size + OVERHEAD;
         self.size += size;
         self.values.insert(key.clone(), Entry { number: self.next, size, value });

@@ -1,5 +1,7 @@
 //! JSON pointers.
 
+use crate::text::start_of;
+
 /// The maximum length of a key, in characters.
 const MAX_KEY: usize = 64;
 
@@ -9,16 +11,8 @@ pub fn pointer<K: AsRef<str>>(keys: &[K]) -> String {
     let mut pointer = String::with_capacity(keys.clone().map(|key| 1 + key.len()).sum());
     for key in keys {
         pointer.push('/');
-        if key.len() <= MAX_KEY && !key.contains(['~', '/']) {
-            pointer.push_str(key);
-            continue;
-        }
-        for (at, character) in key.chars().enumerate() {
+        for character in start_of(key, MAX_KEY).chars() {
             match character {
-                _ if at == MAX_KEY => {
-                    pointer.push('…');
-                    break;
-                }
                 '~' => pointer.push_str("~0"),
                 '/' => pointer.push_str("~1"),
                 other => pointer.push(other),

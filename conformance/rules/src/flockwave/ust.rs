@@ -17,8 +17,9 @@ pub(super) const RULE: Rule = Rule {
 };
 
 /// Counts the states that have the field of the rule, and reports the body schema violations that the rule covers.
-pub(super) fn check(rule: &FlockwaveRule, message: &Message<'_>, context: &mut RuleContext<'_>) {
+pub(super) fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     let Some(type_name) = message.type_name.filter(|name| *name == "UAV-INF") else { return };
+    let Some(rule) = super::rule(context.rule.id) else { return };
     let field = rule.covers.first().and_then(Attribution::state_field);
     for (_, state) in body::states(message, type_name) {
         if field.is_some_and(|field| state.get(field).is_some()) {

@@ -15,7 +15,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
           to the range -1800 to 1799.",
     ..ust::RULE
 })
-.checks(&[Check::Message(|message, context| ust::check(&RULE, message, context))])
+.checks(&[Check::Message(ust::check)])
 .covers(&[Attribution::new(&["UAV-INF"], "status.*.attitude.**", attribution::ALL)])
 .bug(Bug::message("The roll of a UAV is 1800.", |out| out.set_in_state("attitude", json!([1800, 0, 0]))))
 .mutants(&[

@@ -15,7 +15,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
           most 100, or -1 if it is unknown.",
     ..ust::RULE
 })
-.checks(&[Check::Message(|message, context| ust::check(&RULE, message, context))])
+.checks(&[Check::Message(ust::check)])
 .covers(&[Attribution::new(&["UAV-INF"], "status.*.battery.**", attribution::ALL)])
 .bug(Bug::message("The battery percentage is 101.", |out| out.set_in_state("battery", json!([126, 101]))))
 .mutants(&[

@@ -15,7 +15,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     fix: "Encode the data with standard Base64 (RFC 4648), including the padding.",
     ..ust::RULE
 })
-.checks(&[Check::Message(|message, context| ust::check(&RULE, message, context))])
+.checks(&[Check::Message(ust::check)])
 .covers(&[Attribution::new(&["UAV-INF"], "status.*.debug.**", attribution::ALL)])
 .bug(Bug::message("The `debug` field is not Base64.", |out| out.set_in_state("debug", json!("all is well!"))))
 .mutants(&[

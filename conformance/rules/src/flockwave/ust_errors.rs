@@ -13,7 +13,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     fix: "Send a list of integer codes. If there are no errors, send an empty list or omit the field.",
     ..ust::RULE
 })
-.checks(&[Check::Message(|message, context| ust::check(&RULE, message, context))])
+.checks(&[Check::Message(ust::check)])
 .covers(&[
     Attribution::new(&["UAV-INF"], "status.*.errors", attribution::ALL),
     Attribution::new(&["UAV-INF"], "status.*.errors.*", attribution::MISSING),

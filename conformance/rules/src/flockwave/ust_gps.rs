@@ -15,7 +15,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
           values.",
     ..ust::RULE
 })
-.checks(&[Check::Message(|message, context| ust::check(&RULE, message, context))])
+.checks(&[Check::Message(ust::check)])
 .covers(&[Attribution::new(&["UAV-INF"], "status.*.gps.**", attribution::ALL)])
 .bug(Bug::message("The GPS fix type is 8.", |out| out.set_in_state("gps", json!([8, 12]))))
 .mutants(&[

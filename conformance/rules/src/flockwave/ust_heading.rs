@@ -13,7 +13,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     fix: "Multiply degrees by 10, round to an integer, and take the result modulo 3600.",
     ..ust::RULE
 })
-.checks(&[Check::Message(|message, context| ust::check(&RULE, message, context))])
+.checks(&[Check::Message(ust::check)])
 .covers(&[Attribution::new(&["UAV-INF"], "status.*.heading.**", attribution::ALL)])
 .bug(Bug::message("The heading of a UAV is 3600.", |out| out.set_in_state("heading", json!(3600))))
 .mutants(&[

@@ -12,7 +12,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     fix: "Convert the id to a string.",
     ..ust::RULE
 })
-.checks(&[Check::Message(|message, context| ust::check(&RULE, message, context))])
+.checks(&[Check::Message(ust::check)])
 .covers(&[
     Attribution::new(&["UAV-INF"], "status.*.id", attribution::MISSING),
     Attribution::new(&["UAV-INF"], "status.*", attribution::MISSING),

@@ -13,7 +13,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     fix: "Convert the colour to RGB565: 5 bits for red, 6 bits for green, and 5 bits for blue.",
     ..ust::RULE
 })
-.checks(&[Check::Message(|message, context| ust::check(&RULE, message, context))])
+.checks(&[Check::Message(ust::check)])
 .covers(&[Attribution::new(&["UAV-INF"], "status.*.light.**", attribution::ALL)])
 .bug(Bug::message("The `light` of a UAV is a 24-bit colour.", |out| {
     out.set_in_state("light", json!(0x00FF_8800));

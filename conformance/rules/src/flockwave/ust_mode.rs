@@ -14,7 +14,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
           `other`.",
     ..ust::RULE
 })
-.checks(&[Check::Message(|message, context| ust::check(&RULE, message, context))])
+.checks(&[Check::Message(ust::check)])
 .covers(&[Attribution::new(&["UAV-INF"], "status.*.mode.**", attribution::ALL)])
 .bug(Bug::message("The `mode` of a UAV is a number.", |out| out.set_in_state("mode", json!(4))))
 .mutants(&[Mutant::state("a mode that is a number", |state| state["mode"] = json!(4))]);

@@ -15,7 +15,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
           position, omit the field.",
     ..ust::RULE
 })
-.checks(&[Check::Message(|message, context| ust::check(&RULE, message, context))])
+.checks(&[Check::Message(ust::check)])
 .covers(&[Attribution::new(&["UAV-INF"], "status.*.position.**", attribution::ALL)])
 .bug(Bug::message("The latitude of a UAV is beyond the pole.", |out| {
     out.set_in_state("position", json!([900_000_001, 0]));

@@ -13,7 +13,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     fix: "Send X, Y and Z in millimetres as integers. If there is no position, omit the field.",
     ..ust::RULE
 })
-.checks(&[Check::Message(|message, context| ust::check(&RULE, message, context))])
+.checks(&[Check::Message(ust::check)])
 .covers(&[Attribution::new(&["UAV-INF"], "status.*.positionXYZ.**", attribution::ALL)])
 .bug(Bug::message("The `positionXYZ` of a UAV has two coordinates.", |out| {
     out.set_in_state("positionXYZ", json!([1, 2]));

@@ -13,7 +13,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     fix: "Scale the signal strength to 0–100 for each channel, and send -1 for a channel without a reading.",
     ..ust::RULE
 })
-.checks(&[Check::Message(|message, context| ust::check(&RULE, message, context))])
+.checks(&[Check::Message(ust::check)])
 .covers(&[Attribution::new(&["UAV-INF"], "status.*.rssi.**", attribution::ALL)])
 .bug(Bug::message("The `rssi` of a UAV is -60.", |out| out.set_in_state("rssi", json!([-60]))))
 .mutants(&[

@@ -12,7 +12,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     fix: "Send the time when the server received the state, as Unix time in milliseconds.",
     ..ust::RULE
 })
-.checks(&[Check::Message(|message, context| ust::check(&RULE, message, context))])
+.checks(&[Check::Message(ust::check)])
 .covers(&[Attribution::new(&["UAV-INF"], "status.*.timestamp.**", attribution::ALL)])
 .bug(Bug::message("The `timestamp` of a UAV is a string.", |out| {
     out.set_in_state("timestamp", json!("noon"));

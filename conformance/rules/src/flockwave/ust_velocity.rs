@@ -13,7 +13,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     fix: "Send north, east and down in mm/s as integers. Down is negative while the UAV climbs.",
     ..ust::RULE
 })
-.checks(&[Check::Message(|message, context| ust::check(&RULE, message, context))])
+.checks(&[Check::Message(ust::check)])
 .covers(&[Attribution::new(&["UAV-INF"], "status.*.velocity.**", attribution::ALL)])
 .bug(Bug::message("The `velocity` of a UAV has two components.", |out| {
     out.set_in_state("velocity", json!([1, 2]));

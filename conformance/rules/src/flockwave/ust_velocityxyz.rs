@@ -13,7 +13,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     fix: "Send X, Y and Z in mm/s as integers. If there is no velocity, omit the field.",
     ..ust::RULE
 })
-.checks(&[Check::Message(|message, context| ust::check(&RULE, message, context))])
+.checks(&[Check::Message(ust::check)])
 .covers(&[Attribution::new(&["UAV-INF"], "status.*.velocityXYZ.**", attribution::ALL)])
 .bug(Bug::message("The `velocityXYZ` of a UAV has two components.", |out| {
     out.set_in_state("velocityXYZ", json!([1, 2]));

@@ -96,13 +96,8 @@ impl<'t> Message<'t> {
     pub(super) fn deviates(&self, context: &mut RuleContext<'_>, field: &str, deviation: &Deviation) {
         let name = self.exchange.subject();
         let subject = if field.is_empty() { name } else { format!("{name}.{field}").into() };
-        let (location, definition) = (self.exchange.record.location, deviation.definition);
-        let mismatch = &deviation.mismatch;
-        if context.findings.repeat(context.rule, &*subject, location, definition, mismatch) {
-            return;
-        }
-        context.violation_of(&*subject, location, definition, || {
-            let Mismatch { path, expected, actual } = mismatch;
+        context.violation_of(&*subject, self.exchange.record.location, deviation.definition, || {
+            let Mismatch { path, expected, actual } = &deviation.mismatch;
             Detail::differs(expected, actual).at(path)
         });
     }
