@@ -3,8 +3,6 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::Cursor;
-#[cfg(unix)]
-use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
@@ -12,8 +10,6 @@ use mcap::records::MessageHeader;
 use mcap::{MessageStream, WriteOptions};
 use serde_json::Value;
 use tempfile::TempDir;
-#[cfg(unix)]
-use uavspec_test_support::{send_signal, wait_for};
 
 /// The definition of `ArmingCheckRequest` in PX4 1.16.
 const DEFINITION: &str = "uint32 MESSAGE_VERSION=0\nuint64 timestamp\nuint8 request_id\n";
@@ -228,41 +224,4 @@ fn unreadable_messages_are_counted() {
     let output = run(folder.path(), &["in.mcap", "--to=px4@1.17", "-o=out.mcap"]);
     assert_eq!(output.status.code(), Some(6), "{}", text(&output.stdout));
     assert!(text(&output.stdout).contains("1 unreadable message left out"), "{}", text(&output.stdout));
-}
-
-#[cfg(unix)]
-#[test]
-fn an_interrupted_conversion_leaves_no_output() {
-    use nix::sys::signal::Signal::SIGINT;
-
-    let folder = workspace();
-    let path = |name: &str| folder.path().join(name);
-    let made = Command::new("mkfifo").arg(path("pipe")).status().expect("mkfifo runs");
-    assert!(made.success(), "a pipe");
-    fs::write(path("old.mcap"), "old").expect("a file");
-    let before = names(folder.path());
-    // The program reads at most 8 MiB before it writes.
-    let mut long = bag(&vec![5; 230_000]);
-    long.truncate(9 << 20);
-    assert_eq!(long.len(), 9 << 20);
-    for output in ["old.mcap", "new.mcap"] {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_uavspec"));
-        command.args(["convert", "pipe", "--to=px4@1.17", "-o", output]).current_dir(folder.path());
-        let mut child = command.stderr(Stdio::piped()).spawn().expect("it runs");
-        let mut pipe = fs::OpenOptions::new().write(true).open(path("pipe")).expect("a pipe");
-        pipe.write_all(&long).expect("it reads");
-        wait_for("the output is being written", || (names(folder.path()) != before).then_some(()));
-        send_signal(child.id(), SIGINT);
-        // The next read fails.
-        wait_for("the program ends", || {
-            let _ = pipe.write_all(&[0]);
-            child.try_wait().expect("a child")
-        });
-        let ended = child.wait_with_output().expect("it ends");
-        assert_eq!(ended.status.code(), Some(3));
-        let errors = text(&ended.stderr);
-        assert!(errors.contains("interrupted: no output was written"), "{errors}");
-        assert_eq!(names(folder.path()), before);
-        assert_eq!(fs::read(path("old.mcap")).expect("a file"), b"old");
-    }
 }

@@ -18,7 +18,7 @@ use uavspec_model::clock::Clock;
 use uavspec_serve::{Options, Server, Transport};
 use uavspec_test_server::proxy::Proxy;
 use uavspec_test_server::server::{custom_server, location, serve};
-use uavspec_test_support::{deadline, wait_for};
+use uavspec_test_support::{deadline, free_address, wait_for};
 
 /// The time for reading messages that have already arrived.
 const SHORT_TIME: Duration = Duration::from_millis(20);
@@ -84,8 +84,7 @@ fn refusal(endpoint: &Endpoint, access: &Access) -> io::Error {
 
 #[test]
 fn reports_a_refused_connection_as_refused() {
-    // The port is free again after the drop.
-    let address = TcpListener::bind(location()).expect("a port").local_addr().expect("an address");
+    let address = free_address();
     for parts in URLS {
         let endpoint = url(parts, address);
         let error = refusal(&endpoint, &Access::default());
@@ -189,7 +188,7 @@ fn survives_the_loss_of_datagrams() {
 
 #[test]
 fn uses_a_socket_again_after_a_refusal() {
-    let address = UdpSocket::bind(location()).expect("a port").local_addr().expect("an address");
+    let address = free_address();
     let mut client = connect(&url(("udp", ""), address), deadline()).expect("a socket");
     let error = ping_server(&mut *client).expect_err("no server");
     assert_eq!(error.kind(), ErrorKind::ConnectionRefused);

@@ -202,3 +202,60 @@ impl Read for Interruptible {
         self.input.read(out)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+
+    /// Presses Ctrl-C at its place in an input.
+    struct CtrlC(Arc<AtomicBool>);
+
+    impl Read for CtrlC {
+        fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
+            self.0.store(true, Ordering::Relaxed);
+            Ok(0)
+        }
+    }
+
+    #[test]
+    fn an_interrupted_conversion_leaves_no_output() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let output = folder.path().join("out.jsonl");
+        let [source, target] =
+            ["px4@1.16", "px4@1.17"].map(|release| Library::release(release).expect("a release"));
+        let definitions = source.base();
+        let plan = Plan::new(Arc::clone(definitions), &source, &target, None).expect("a plan");
+        let convert = |rest: fn(Arc<AtomicBool>) -> Box<dyn Read + Send>| {
+            let interrupted = Arc::new(AtomicBool::new(false));
+            let line = br#"{"type": "px4/ArmingCheckRequest", "message": {"timestamp": 9, "request_id": 6}}"#;
+            let input = Box::new(line.chain(rest(Arc::clone(&interrupted))));
+            let bytes = Box::new(Interruptible { input, interrupted: Arc::clone(&interrupted) });
+            let opened = Opened { kind: "JSON", definitions: Arc::clone(definitions), bytes, state: None };
+            let args = ConvertArgs {
+                input: "in.jsonl".into(),
+                to: "px4@1.17".to_owned(),
+                output: output.clone(),
+                from: None,
+                hints: None,
+                keep_unconverted: false,
+                format: Format::Text,
+            };
+            write(&args, opened, &plan, &interrupted).err()
+        };
+        for before in [None, Some("old")] {
+            if let Some(text) = before {
+                fs::write(&output, text).expect("a file");
+            }
+            // An input without an end, and an interruption after the last read.
+            let endless = convert(|flag| Box::new(CtrlC(flag).chain(io::repeat(b'\n'))));
+            let ended = convert(|flag| Box::new(CtrlC(flag)));
+            assert_eq!((endless, ended), (Some(Status::Unreadable), Some(Status::Unreadable)));
+            assert_eq!(fs::read_to_string(&output).ok().as_deref(), before);
+            assert_eq!(fs::read_dir(&folder).expect("a folder").count(), usize::from(before.is_some()));
+        }
+        assert_eq!(convert(|_| Box::new(io::empty())), None);
+        assert!(fs::read_to_string(&output).expect("a file").contains("valid_registrations_mask"));
+    }
+}

@@ -6,8 +6,10 @@ pub mod python;
 pub mod schema;
 
 use std::io::{self, Read};
+use std::net::{SocketAddr, TcpListener};
 use std::path::Path;
 use std::process::Command;
+use std::sync::atomic::{AtomicU16, Ordering};
 use std::time::{Duration, Instant};
 use std::{env, fs};
 
@@ -49,6 +51,17 @@ pub fn deadline() -> Instant {
 pub fn wait_for<T>(event: &str, check: impl FnMut() -> Option<T>) -> T {
     let found = Clock::real().poll(deadline(), Duration::from_millis(5), check);
     found.unwrap_or_else(|| panic!("{event}: this doesn't happen"))
+}
+
+/// An address of this computer at which nothing listens. Its port stays free: a system that chooses a port by itself
+/// takes one from 32,768 up.
+pub fn free_address() -> SocketAddr {
+    static NEXT: AtomicU16 = AtomicU16::new(0);
+    // Test programs that run at the same time start at different ports.
+    let first = 10_000 + (std::process::id() % 200) as u16 * 100;
+    let next = || ([127, 0, 0, 1], first + NEXT.fetch_add(1, Ordering::Relaxed)).into();
+    let mut addresses = std::iter::repeat_with(next);
+    addresses.find(|address| TcpListener::bind(address).is_ok()).expect("a free port")
 }
 
 /// Writes a file to a folder. Creates the folders in its path.

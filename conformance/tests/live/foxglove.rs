@@ -10,15 +10,14 @@ use tungstenite::Message;
 use tungstenite::handshake::server::{ErrorResponse, Request, Response};
 use uavspec_live::bus::{Event, Topic, connect};
 use uavspec_model::Qos;
+use uavspec_test_support::free_address;
 
 use super::probe::Probed;
 use super::python::Peer;
 
 /// Starts the SDK's server, and waits until it accepts connections. Returns the server and its address.
 fn sdk() -> (Peer, String) {
-    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
-    let port = listener.local_addr().expect("an address").port();
-    drop(listener);
+    let port = free_address().port();
     let definition = Path::new(env!("CARGO_MANIFEST_DIR")).join("../definitions/px4/ArmingCheckRequest.msg");
     let definition = definition.to_str().expect("a path");
     let peer = Peer::start("foxglove_server.py", &[&port.to_string(), definition], &[]);

@@ -1,7 +1,7 @@
 //! Tests with a Zenoh router in Python, which declares tokens and publishes like `rmw_zenoh`, and with a ROS 2 node
 //! that uses hiroz.
 
-use std::net::{TcpListener, TcpStream};
+use std::net::TcpStream;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::LazyLock;
@@ -11,6 +11,7 @@ use std::{fs, thread};
 use serde_json::json;
 use tempfile::NamedTempFile;
 use uavspec_rules::definitions::Definitions;
+use uavspec_test_support::free_address;
 
 use super::probe::Probed;
 use super::python::Peer;
@@ -28,9 +29,7 @@ static PROBED: LazyLock<Probed> = LazyLock::new(|| {
 
 /// Starts a router, and waits until it accepts connections. Returns the router and its port.
 fn router(arguments: &[&str]) -> (Peer, u16) {
-    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
-    let port = listener.local_addr().expect("an address").port();
-    drop(listener);
+    let port = free_address().port();
     let router = Peer::start("zenoh_router.py", &[&[&*port.to_string()], arguments].concat(), &[]);
     let end = Instant::now() + Duration::from_secs(600);
     while TcpStream::connect(("127.0.0.1", port)).is_err() {

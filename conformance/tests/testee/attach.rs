@@ -9,6 +9,7 @@ use std::thread;
 
 use uavspec_model::clock::Clock;
 use uavspec_probe::testee::{Options, Verdict, check, run};
+use uavspec_test_support::free_address;
 
 use super::lint::{assert_good, failed_checks, lint_testee};
 use super::{
@@ -172,8 +173,8 @@ fn reports_the_case_that_hangs_over_a_connection() {
 
 #[test]
 fn waits_for_a_restarting_testee() {
-    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
-    let address = listener.local_addr().expect("an address");
+    let address = free_address();
+    let listener = TcpListener::bind(address).expect("a port");
     let arguments = vec!["crash".to_owned(), some_cases()[4].to_string()];
     let service = Service { arguments, gate: None, children: Arc::default() };
     let own = service.clone();
@@ -194,8 +195,8 @@ fn waits_for_a_restarting_testee() {
 
 #[test]
 fn gives_up_if_the_testee_does_not_come_back() {
-    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
-    let address = listener.local_addr().expect("an address").to_string();
+    let address = free_address().to_string();
+    let listener = TcpListener::bind(&address).expect("a port");
     let arguments = vec!["crash".to_owned(), some_cases()[4].to_string()];
     let service = Service { arguments, gate: None, children: Arc::default() };
     thread::spawn(move || {
@@ -213,9 +214,7 @@ fn gives_up_if_the_testee_does_not_come_back() {
 
 #[test]
 fn reports_a_refused_connection_immediately() {
-    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
-    let address = listener.local_addr().expect("an address").to_string();
-    drop(listener);
+    let address = free_address().to_string();
     let suite = suite();
     let options = attached(&address, options(&[]));
     let output = run(&suite.cases, &some_cases(), &suite.types, &options, &|_, _| {})

@@ -3,7 +3,6 @@
 //! No test depends on speed: all timeouts are long.
 
 use std::io::{self, BufWriter, Write as _};
-use std::net::TcpListener;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::thread;
 
@@ -12,8 +11,8 @@ use uavspec_flockwave::transport::{Access, Trust};
 use uavspec_model::clock::Clock;
 use uavspec_serve::{Options, Server, Transport, error};
 use uavspec_test_server::proxy::Proxy;
-use uavspec_test_server::server::{answer_requests, custom_server, location, serve};
-use uavspec_test_support::{deadline, extent, wait_for};
+use uavspec_test_server::server::{answer_requests, custom_server, serve};
+use uavspec_test_support::{deadline, extent, free_address, wait_for};
 
 use crate::limits::MAX_UAVS;
 use crate::watch::fleet::{Fleet, Link};
@@ -122,7 +121,8 @@ fn requests_missing_states_again() {
 
 #[test]
 fn reconnects_to_a_restarted_server() {
-    let (server, address) = serve(Options::default(), Transport::Tcp);
+    let address = free_address();
+    let server = Server::start(Options::default(), &[(Transport::Tcp, address)]).expect("it starts");
     let mut watched = Watched::new(&format!("tcp://{address}"));
     watched.until("the fleet is known", |watched| watched.fleet.is_complete());
     server.end();
@@ -138,9 +138,7 @@ fn reconnects_to_a_restarted_server() {
 
 #[test]
 fn reports_a_refused_connection_as_lost() {
-    let listener = TcpListener::bind(location()).expect("a port");
-    let address = listener.local_addr().expect("an address");
-    drop(listener);
+    let address = free_address();
     for transport in ["tcp", "udp", "http", "socketio"] {
         let mut watched = Watched::new(&format!("{transport}://{address}"));
         watched.until("the connection is refused", |watched| matches!(watched.fleet.link, Link::Lost { .. }));

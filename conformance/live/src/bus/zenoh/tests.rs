@@ -1,12 +1,11 @@
 //! Tests with a router in the test process. The router declares tokens and publishes messages like `rmw_zenoh`.
 
-use std::net::TcpListener;
 use std::time::Duration;
 
 use uavspec_model::clock::Clock;
 use uavspec_model::net::Address;
 use uavspec_model::{Durability, EndpointKind, Qos, Reliability};
-use uavspec_test_support::{LIMIT, deadline, wait_for};
+use uavspec_test_support::{LIMIT, deadline, free_address, wait_for};
 use zenoh::liveliness::LivelinessToken;
 use zenoh::{Config, Session, Wait};
 
@@ -24,9 +23,7 @@ struct Router {
 
 impl Router {
     fn start() -> Self {
-        let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
-        let port = listener.local_addr().expect("an address").port();
-        drop(listener);
+        let port = free_address().port();
         let mut config = Config::default();
         for (key, value) in [
             ("mode", "\"router\""),
