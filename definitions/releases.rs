@@ -95,12 +95,47 @@ fn errata() -> impl Iterator<Item = Erratum<'static>> {
     })
 }
 
+/// A version of a PX4 message that no release contains, but that PX4's message translation node converts.
+#[derive(Clone, Copy, Debug)]
+pub struct OldVersion {
+    /// The name of the message.
+    pub message: &'static str,
+    /// The version.
+    pub version: u32,
+    /// The name that the message had in this version.
+    pub name: &'static str,
+    /// PX4's hash of the fields.
+    pub hash: u32,
+}
+
+/// The rows of `versions.tsv`.
+pub fn old_versions() -> impl Iterator<Item = OldVersion> {
+    include_str!("releases/versions.tsv").lines().skip(1).filter_map(|line| {
+        let mut cells = line.split('\t');
+        let mut cell = || cells.next();
+        let (message, version, name, hash) = (cell()?, cell()?.parse().ok()?, cell()?, cell()?);
+        Some(OldVersion { message, version, name, hash: u32::from_str_radix(hash, 16).ok()? })
+    })
+}
+
 /// The fingerprints of the definitions in all releases: a table with tabs between its columns, and a heading.
 pub static FINGERPRINTS: &str = include_str!("releases/fingerprints.tsv");
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn no_release_contains_an_old_version() {
+        let rows = include_str!("releases/versions.tsv").lines().count() - 1;
+        assert_eq!(old_versions().count(), rows);
+        for old in old_versions() {
+            let name = alloc::format!("px4_msgs/msg/{}\t", old.message);
+            let versions = FINGERPRINTS.lines().filter(|line| line.starts_with(&name));
+            let mut versions = versions.filter_map(|line| line.rsplit('\t').next()?.parse::<u32>().ok());
+            assert!(versions.any(|version| version > old.version), "{old:?}");
+        }
+    }
 
     #[test]
     fn each_erratum_corrects_a_constant_of_its_releases() {

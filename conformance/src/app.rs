@@ -19,6 +19,7 @@
 mod access;
 mod baseline;
 mod check;
+mod compat;
 mod completions;
 mod convert;
 mod events;
@@ -130,6 +131,11 @@ enum Command {
     Definitions(cli::Command),
     /// Check logs, bags, messages and recorded sessions.
     Check(check::CheckArgs),
+    /// Compare a ROS 2 application with releases of PX4.
+    ///
+    /// The topics that the sources name are compared with each release: names, versions and definitions. The report
+    /// says which topics work, which need PX4's message translation node, and which break.
+    Compat(compat::CompatArgs),
     /// Convert a log, a bag or JSON messages to another release.
     ///
     /// Each message gets the type of the target release. The definitions and the hints decide the values of all fields.
@@ -306,6 +312,7 @@ pub fn main() -> ExitCode {
         Command::Sample(args) => sample::run(&args),
         Command::Init(args) => init::run(&args),
         Command::Check(args) => check::check(&args),
+        Command::Compat(args) => compat::run(&args),
         Command::Convert(args) => convert::run(&args),
         Command::Explain(args) => explain::explain(&args),
         Command::Test(args) => test::test(&args),

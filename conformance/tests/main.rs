@@ -4,6 +4,7 @@ mod baseline;
 #[cfg(unix)]
 mod ci;
 mod cli;
+mod compat;
 mod convert;
 mod explain;
 mod init;

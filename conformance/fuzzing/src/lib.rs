@@ -1,6 +1,7 @@
 //! The fuzz targets of this crate: one function for each kind of input. A function reads arbitrary bytes, and panics if
 //! a property doesn't hold. `cargo xtask fuzz` runs the functions.
 
+mod applications;
 mod bag_metadata;
 #[cfg(feature = "schemas")]
 mod body_schema_grammar;
@@ -54,6 +55,7 @@ pub const TARGETS: &[Target] = &[
     },
     Target { name: "bag-metadata", check: captures::bag_metadata, seeds: captures::bag_metadata_seeds },
     Target { name: "bag-metadata-grammar", check: bag_metadata::grammar, seeds: choices },
+    Target { name: "application", check: applications::sources, seeds: applications::seeds },
     Target { name: "json-capture", check: captures::json, seeds: captures::json_seeds },
     Target { name: "convert", check: conversions::mcap, seeds: conversions::mcap_seeds },
     Target {

@@ -103,8 +103,13 @@ const PARTS: [(&str, &[Chapter]); 6] = [
         ],
     ),
     (
-        "Test codecs and servers",
+        "Test applications, codecs and servers",
         &[
+            chapter(
+                "Compare an application with releases (compat)",
+                "xtask/site/guide/compat.md",
+                "guide/compat.md",
+            ),
             chapter("Test a codec (test)", "xtask/site/guide/test.md", "guide/test.md"),
             chapter("Testees", "conformance/testees/README.md", "guide/testees.md"),
             chapter("Test a live server (probe)", "xtask/site/guide/probe.md", "guide/probe.md"),

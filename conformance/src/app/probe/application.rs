@@ -1,29 +1,14 @@
 //! The application that `uavspec probe --application` compares with a vehicle.
 
 use std::collections::BTreeSet;
-use std::fs::File;
-use std::io::Read as _;
 use std::path::Path;
 
-use memchr::memmem;
+use uavspec_compat::{Hints, definitions_in};
 use uavspec_model::ApplicationType;
 use uavspec_model::text::{plural, terminal};
 use uavspec_schema::msg::Dialect;
-use walkdir::WalkDir;
 
 use crate::app::{Status, library};
-
-/// The extensions of files that are searched for topic names.
-const EXTENSIONS: [&str; 11] = ["c", "cc", "cpp", "h", "hpp", "json", "launch", "py", "rs", "xml", "yaml"];
-
-/// The maximum number of bytes that are read from a file.
-const MAX_SIZE: u64 = 1 << 20;
-
-/// The maximum number of files.
-const MAX_FILES: usize = 20_000;
-
-/// The folders in the names of PX4 topics.
-const FOLDERS: [&str; 2] = ["fmu/in/", "fmu/out/"];
 
 /// An application.
 pub(super) struct Application {
@@ -34,12 +19,19 @@ pub(super) struct Application {
 }
 
 impl Application {
-    /// Reads the definitions of a path or a release. If files in the folder name PX4 topics, the application uses only
-    /// these.
+    /// Reads the definitions of a path or a release. If the sources in the folder name PX4 topics, the application uses
+    /// only these.
     pub(super) fn load(path: &Path) -> Result<Self, Status> {
-        let definitions = library(Some(path), Some(Dialect::Px4), &[])?;
-        let mut types = ApplicationType::all(&definitions.base().schema);
-        let named = named_topics(path);
+        let package = definitions_in(path);
+        let definitions = library(Some(package.as_deref().unwrap_or(path)), Some(Dialect::Px4), &[])?;
+        let schema = &definitions.base().schema;
+        let mut types = ApplicationType::all(schema);
+        if !path.is_dir() {
+            return Ok(Self { types, note: None });
+        }
+        let sources = uavspec_compat::Application::read(path, &[schema], &Hints::default())
+            .map_err(|failure| Status::Unreadable.failed(&failure))?;
+        let named: BTreeSet<&String> = sources.uses.iter().map(|used| &used.topic.name).collect();
         if named.is_empty() {
             return Ok(Self { types, note: None });
         }
@@ -49,46 +41,12 @@ impl Application {
         types.retain(|ty| !ty.topics.is_empty());
         let count: usize = types.iter().map(|ty| ty.topics.len()).sum();
         let note = format!(
-            "only {} of the application can be compared, because files in {} name no others",
+            "only {} of the application can be compared, because uavspec finds no other names in {}",
             plural(count, "topic"),
             terminal::path(path)
         );
         Ok(Self { types, note: Some(note) })
     }
-}
-
-/// The names of topics after `fmu/in/` and `fmu/out/`, in the files of a folder. A name with a version is also included
-/// without the version.
-fn named_topics(folder: &Path) -> BTreeSet<String> {
-    let files = WalkDir::new(folder).into_iter().filter_map(Result::ok).filter(|entry| {
-        let extension = entry.path().extension().and_then(|extension| extension.to_str());
-        entry.file_type().is_file() && extension.is_some_and(|extension| EXTENSIONS.contains(&extension))
-    });
-    files.take(MAX_FILES).flat_map(|entry| topics_in(&start_of(entry.path()))).collect()
-}
-
-/// The first bytes of a file. Empty if the file can't be read.
-fn start_of(path: &Path) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    let read = File::open(path).and_then(|file| file.take(MAX_SIZE).read_to_end(&mut bytes));
-    read.map_or_else(|_| Vec::new(), |_| bytes)
-}
-
-fn topics_in(text: &[u8]) -> Vec<String> {
-    let starts = FOLDERS.iter().flat_map(|folder| {
-        memmem::find_iter(text, folder).map(move |at| at + folder.len()).collect::<Vec<_>>()
-    });
-    let names = starts.map(|at| {
-        let is_part = |byte: &&u8| byte.is_ascii_alphanumeric() || **byte == b'_';
-        text[at..].iter().take_while(is_part).map(|byte| char::from(*byte)).collect::<String>()
-    });
-    names.filter(|name| !name.is_empty()).flat_map(with_unversioned).collect()
-}
-
-/// A name, and the name without its version if it has one.
-fn with_unversioned(name: String) -> Vec<String> {
-    let unversioned = uavspec_rules::definitions::unversioned(&name).map(str::to_owned);
-    std::iter::once(name).chain(unversioned).collect()
 }
 
 #[cfg(test)]
