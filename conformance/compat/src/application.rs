@@ -8,18 +8,19 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use toml::Spanned;
 use uavspec_model::text::{plural, terminal};
-use uavspec_rules::definitions::Library;
+use uavspec_rules::definitions::{Library, PX4_ROS_PACKAGE};
 use uavspec_schema::source::{SourceId, SourceMap};
 use uavspec_schema::span::Span;
 use uavspec_schema::{Failure, Schema};
 use walkdir::{DirEntry, WalkDir};
 
+use crate::dds;
 use crate::lexer::Language;
 use crate::limits::{MAX_FILES, MAX_PLACES, MAX_SOURCE};
-use crate::source::{self, Direction, Found, Named, PACKAGE, Topic, Version};
+use crate::source::{self, Direction, Found, Named, Topic, Version};
 
 /// Folders that aren't part of the application: PX4's definitions and PX4's translation node, and modules of npm.
-const OTHER_FOLDERS: [&str; 4] = [PACKAGE, "px4_msgs_old", "translation_node", "node_modules"];
+const OTHER_FOLDERS: [&str; 4] = [PX4_ROS_PACKAGE, "px4_msgs_old", "translation_node", "node_modules"];
 
 /// Folders that colcon writes in a workspace.
 const OUTPUTS: [&str; 3] = ["build", "install", "log"];
@@ -28,7 +29,7 @@ const OUTPUTS: [&str; 3] = ["build", "install", "log"];
 const MARKS: [&str; 2] = ["COLCON_IGNORE", "CACHEDIR.TAG"];
 
 /// Files that name topics without using them: PX4's list of topics, and the descriptions of packages.
-const OTHER_FILES: [&str; 2] = ["dds_topics.yaml", "package.xml"];
+const OTHER_FILES: [&str; 2] = [dds::FILE_NAME, "package.xml"];
 
 /// The topics that an application names.
 #[derive(Debug, Default)]
@@ -116,14 +117,14 @@ impl Hints {
 
 impl TopicHint {
     fn read(&self) -> Option<Topic> {
-        let (topic, rest) = Topic::read(self.topic.get_ref(), |folder| folder.starts_with("fmu/"))?;
+        let (topic, rest) = Topic::read_full(self.topic.get_ref())?;
         (rest.is_empty() && !topic.name.is_empty()).then_some(topic)
     }
 }
 
 /// The folder of PX4's messages in a workspace: a folder `px4_msgs` that contains definitions.
 pub fn definitions_in(workspace: &Path) -> Option<PathBuf> {
-    let is_package = |entry: &DirEntry| entry.file_name() == PACKAGE;
+    let is_package = |entry: &DirEntry| entry.file_name() == PX4_ROS_PACKAGE;
     let is_searched = |entry: &DirEntry| entry.depth() == 0 || is_package(entry) || !is_other(entry);
     let folders = WalkDir::new(workspace).sort_by_file_name().into_iter().filter_entry(is_searched);
     let mut found = folders.filter_map(Result::ok).filter(is_package);
@@ -241,13 +242,8 @@ impl Sources<'_> {
             }
         }
         // A list of topics, such as px4_ros2's list for its check of compatibility, may contain names without versions.
-        let is_appended = |topic: &Topic| topic.version == Version::OfDefinition;
-        let appended: BTreeSet<(Direction, String)> = self
-            .places
-            .keys()
-            .filter(|(topic, ..)| is_appended(topic))
-            .map(|(topic, ..)| topic.key())
-            .collect();
+        let appended = self.places.keys().filter(|(topic, ..)| topic.version == Version::OfDefinition);
+        let appended: BTreeSet<(Direction, String)> = appended.map(|(topic, ..)| topic.key()).collect();
         self.places.retain(|(topic, _, is_listed), _| {
             !*is_listed || topic.version != Version::Stated(0) || !appended.contains(&topic.key())
         });
@@ -278,7 +274,7 @@ fn is_other(entry: &DirEntry) -> bool {
     let name = entry.file_name().to_string_lossy();
     let is_output = || entry.depth() == 1 && OUTPUTS.contains(&&*name);
     let is_marked = || MARKS.iter().any(|mark| entry.path().join(mark).exists());
-    let is_px4 = || entry.path().join("src/modules/uxrce_dds_client").is_dir();
+    let is_px4 = || entry.path().join(dds::FOLDER).is_dir();
     let is_folder = entry.file_type().is_dir();
     name.starts_with('.')
         || is_folder && (OTHER_FOLDERS.contains(&&*name) || is_output() || is_marked() || is_px4())

@@ -10,6 +10,12 @@ use uavspec_schema::Failure;
 use crate::limits::{MAX_DEPTH, MAX_SOURCE};
 use crate::source::{Direction, Topic};
 
+/// The folder of PX4's sources that contains the file.
+pub(crate) const FOLDER: &str = "src/modules/uxrce_dds_client";
+
+/// The name of the file.
+pub(crate) const FILE_NAME: &str = "dds_topics.yaml";
+
 /// The depth of an entry: in a list, in a mapping.
 const ENTRY: usize = 3;
 
@@ -26,6 +32,15 @@ impl DdsTopics {
         let problem = |problem: String| Failure::new(format!("{}: {problem}", terminal::path(path)));
         let text = std::fs::read_to_string(path).map_err(|error| problem(error.to_string()))?;
         Self::parse(&text).map_err(problem)
+    }
+
+    /// Reads the file in a checkout of PX4. `None` if there is no such file.
+    ///
+    /// # Errors
+    /// Fails as [`Self::read`] does.
+    pub fn of_checkout(path: &Path) -> Result<Option<Self>, Failure> {
+        let file = path.join(FOLDER).join(FILE_NAME);
+        file.is_file().then(|| Self::read(&file)).transpose()
     }
 
     fn parse(text: &str) -> Result<Self, String> {
@@ -79,7 +94,7 @@ impl DdsTopics {
 
 /// The direction and the name of a topic.
 fn named(text: &str) -> Option<(Direction, String)> {
-    let (topic, _) = Topic::read(text, |folder| folder.starts_with("fmu/"))?;
+    let (topic, _) = Topic::read_full(text)?;
     Some(topic.key())
 }
 

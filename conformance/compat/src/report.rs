@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use uavspec_lint::report::{Entry, Format, Report, RuleInfo};
 use uavspec_model::text::{plural, shown, wrapped};
+use uavspec_rules::definitions::versioned;
 use uavspec_schema::diagnostic::Level;
 use uavspec_schema::finding::Finding;
 use uavspec_schema::json_text;
@@ -106,14 +107,13 @@ impl Place {
 
 impl TopicReport {
     fn new(used: &Use, sources: &SourceMap, verdicts: Vec<Verdict>) -> Self {
-        let version = match used.topic.version {
-            Version::Stated(0) => String::new(),
-            Version::Stated(version) => format!("_v{version}"),
-            Version::OfDefinition => APPENDED.to_owned(),
-        };
         let name = format!("/{}{}", used.topic.direction.folder(), used.topic.name);
+        let topic = match used.topic.version {
+            Version::Stated(version) => versioned(&name, Some(version)),
+            Version::OfDefinition => format!("{name}{APPENDED}"),
+        };
         Self {
-            topic: format!("{name}{version}"),
+            topic,
             name,
             r#type: used.ty.clone(),
             places: used.places.iter().map(|span| Place::new(*span, sources)).collect(),
@@ -291,11 +291,11 @@ impl CompatReport {
         let mut findings = Vec::new();
         for topic in &self.topics {
             for (kind, reason, px4) in topic.reasons(&self.px4) {
-                let level = if kind.is_problem() { Level::Error } else { Level::Note };
+                let Some((rule, _)) = kind.rule() else { continue };
                 for place in &topic.places {
                     let message =
                         format!("`{}` with {}: {}: {reason}", topic.topic, px4.join(", "), kind.text());
-                    findings.push(Finding::new(kind.rule(), level, place.span, message));
+                    findings.push(Finding::new(rule, kind.level(), place.span, message));
                 }
             }
         }
@@ -311,10 +311,8 @@ impl CompatReport {
             url: String::new(),
         };
         let mut rules = vec![rule(UNREAD, "The sources name each topic.", Level::Note)];
-        rules.extend(Kind::REPORTED.map(|kind| {
-            let level = if kind.is_problem() { Level::Error } else { Level::Note };
-            rule(kind.rule(), kind.purpose(), level)
-        }));
+        let reported = Kind::ALL.into_iter().filter_map(|kind| Some((kind.rule()?, kind.level())));
+        rules.extend(reported.map(|((id, purpose), level)| rule(id, purpose, level)));
         Report { command: "compat", rules, entries }.to_text(Format::Sarif)
     }
 }
@@ -329,27 +327,23 @@ impl UnreadReport {
 }
 
 impl Kind {
-    /// The kinds that a SARIF report contains.
-    const REPORTED: [Self; 4] = [Self::Translated, Self::Breaks, Self::Absent, Self::NotOffered];
-
-    /// The id in a SARIF report.
-    fn rule(self) -> &'static str {
+    /// The id and the purpose of the rule for this kind in a SARIF report. `None` if the topic needs no attention.
+    fn rule(self) -> Option<(&'static str, &'static str)> {
         match self {
-            Self::Works | Self::Unused => "compat-works",
-            Self::Translated => "compat-translated",
-            Self::Breaks => "compat-breaks",
-            Self::Absent => "compat-absent",
-            Self::NotOffered => "compat-not-offered",
+            Self::Works | Self::Unused => None,
+            Self::Translated => {
+                Some(("compat-translated", "The topic needs PX4's message translation node."))
+            }
+            Self::Breaks => Some((
+                "compat-breaks",
+                "The application and PX4 use the same definition of a topic, and the same name.",
+            )),
+            Self::Absent => Some(("compat-absent", "PX4 has the topic.")),
+            Self::NotOffered => Some(("compat-not-offered", "PX4 offers the topic over DDS.")),
         }
     }
 
-    fn purpose(self) -> &'static str {
-        match self {
-            Self::Works | Self::Unused => "The application and PX4 understand each other.",
-            Self::Translated => "The topic needs PX4's message translation node.",
-            Self::Breaks => "The application and PX4 use the same definition of a topic, and the same name.",
-            Self::Absent => "PX4 has the topic.",
-            Self::NotOffered => "PX4 offers the topic over DDS.",
-        }
+    fn level(self) -> Level {
+        if self.is_problem() { Level::Error } else { Level::Note }
     }
 }

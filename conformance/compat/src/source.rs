@@ -3,7 +3,7 @@
 use std::collections::{BTreeSet, HashMap};
 use std::ops::Range;
 
-use uavspec_rules::definitions::unversioned;
+use uavspec_rules::definitions::{PX4_ROS_PACKAGE, unversioned};
 
 use crate::lexer::{Language, Part, Token, tokens};
 use crate::limits::{MAX_CALLS, MAX_EXPRESSION};
@@ -13,9 +13,6 @@ const CREATE: [&str; 2] = ["create_publisher", "create_subscription"];
 
 /// Other functions and classes whose arguments are a type and a topic.
 const WRAPPERS: [&str; 6] = ["Publisher", "Subscriber", "Subscription", "advertise", "publish", "subscribe"];
-
-/// The package of PX4's messages.
-pub(crate) const PACKAGE: &str = "px4_msgs";
 
 /// The side that publishes a topic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -63,6 +60,11 @@ impl Topic {
     /// The topic without the version in its name.
     pub(crate) fn key(&self) -> (Direction, String) {
         (self.direction, self.name.clone())
+    }
+
+    /// Reads the full name of a topic. Also returns the rest of the text.
+    pub(crate) fn read_full(text: &str) -> Option<(Self, &str)> {
+        Self::read(text, |folder| folder.starts_with("fmu/"))
     }
 
     /// Reads a topic such as `/fmu/out/vehicle_status_v1`, which may have a namespace. Also returns the rest of the text.
@@ -364,7 +366,7 @@ impl File<'_, '_> {
         });
         let mut path = path.take(MAX_EXPRESSION).filter(|part| !part.is_empty());
         let package = path.by_ref().find(|part| *part == "msg").and_then(|_| path.next());
-        package.is_none_or(|package| package == PACKAGE).then_some(ty)
+        package.is_none_or(|package| package == PX4_ROS_PACKAGE).then_some(ty)
     }
 
     fn ty(&self, word: &str) -> Option<&str> {

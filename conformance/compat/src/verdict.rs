@@ -6,10 +6,10 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use uavspec_definitions::releases::old_versions;
 use uavspec_px4::comparison::compare_texts;
-use uavspec_rules::definitions::{Family, Library, versioned};
+use uavspec_rules::definitions::versioned;
 use uavspec_schema::fingerprint::hashed_text;
 use uavspec_schema::source::SourceId;
-use uavspec_schema::{Failure, Message, Schema};
+use uavspec_schema::{Message, Schema};
 
 use crate::application::{Application, Use};
 use crate::dds::DdsTopics;
@@ -48,6 +48,10 @@ pub enum Kind {
 }
 
 impl Kind {
+    /// All kinds.
+    pub const ALL: [Self; 6] =
+        [Self::Works, Self::Unused, Self::Translated, Self::Breaks, Self::Absent, Self::NotOffered];
+
     /// The verdict in a table.
     pub fn text(self) -> &'static str {
         match self {
@@ -86,20 +90,11 @@ pub struct History(BTreeSet<PastVersion>);
 type PastVersion = (String, u32, String, u32);
 
 impl History {
-    /// The versions in all releases, and those between releases.
-    ///
-    /// # Errors
-    /// Fails only if a built-in release is missing.
-    pub fn built_in() -> Result<Self, Failure> {
+    /// The versions that no release contains.
+    pub fn between_releases() -> Self {
         let old =
             old_versions().map(|old| (old.message.to_owned(), old.version, old.name.to_owned(), old.hash));
-        let mut history = Self(old.collect());
-        let library = Library::built_in();
-        let index = library.index();
-        for release in index.releases_of(Family::Px4) {
-            history.add(&Library::release(&index.label(release))?.base().schema);
-        }
-        Ok(history)
+        Self(old.collect())
     }
 
     /// Adds the messages of a version of PX4.

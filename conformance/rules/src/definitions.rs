@@ -38,7 +38,7 @@ use uavspec_schema::{Failure, Form, Message, MessageId, Package, PackageInput, S
 pub use self::choice::{Clues, FormatClue, JsonClue, TypeClue};
 use self::index::Index;
 pub use self::index::{Family, ReleaseId, Row, newest_ros2, read_schema};
-pub use self::library::{Library, ros_package};
+pub use self::library::{Library, PX4_ROS_PACKAGE, ros_package};
 pub(crate) use self::released::{ReleasedType, released_type};
 use self::shared::FormatPlans;
 pub use self::shared::{CapturedEvents, FormatPlan, Shared};

@@ -15,9 +15,6 @@ use super::{Exit, Status, library};
 /// The first release with the topics `/fmu/in` and `/fmu/out`. Before that, PX4 used a different bridge to ROS 2.
 const FIRST: &str = "px4@1.14";
 
-/// The path of the list of DDS topics in PX4's sources.
-const DDS_TOPICS: &str = "src/modules/uxrce_dds_client/dds_topics.yaml";
-
 const EXAMPLES: &str = "Examples:
   uavspec compat my_workspace
   uavspec compat my_workspace --with px4@1.15..main
@@ -91,10 +88,11 @@ enum Format {
     Sarif,
 }
 
-/// A version of PX4 to compare with.
+/// A version of PX4.
 struct Version {
     name: String,
     library: Library,
+    /// The topics that it offers over DDS, if they are known.
     dds: Option<DdsTopics>,
 }
 
@@ -104,15 +102,17 @@ pub(super) fn run(args: &CompatArgs) -> Exit {
     let own = own_definitions(args)?;
     let hints = args.hints.as_deref().map(Hints::read).transpose().map_err(usage)?.unwrap_or_default();
     let dds = args.dds_topics.as_deref().map(DdsTopics::read).transpose().map_err(usage)?;
-    let versions = versions(args, dds.as_ref())?;
+    let labels = labels(args)?;
+    let (others, released) = (others(args)?, released()?);
+    let named = labels.iter().filter_map(|label| released.iter().find(|version| version.name == *label));
+    let sides: Vec<Side<'_>> = named.chain(&others).map(|version| version.side(dds.as_ref())).collect();
     let schema = &own.base().schema;
-    let sides: Vec<Side<'_>> = versions.iter().map(Version::side).collect();
     let schemas: Vec<&Schema> = std::iter::once(schema).chain(sides.iter().map(|side| side.schema)).collect();
     let application = Application::read(&args.application, &schemas, &hints)
         .map_err(|failure| Status::Unreadable.failed(&failure))?;
-    let mut history = History::built_in().map_err(usage)?;
-    for side in &sides {
-        history.add(side.schema);
+    let mut history = History::between_releases();
+    for version in released.iter().chain(&others) {
+        history.add(&version.library.base().schema);
     }
     let verdicts = compare(&application, schema, &sides, &history);
     let report =
@@ -135,8 +135,10 @@ pub(super) fn run(args: &CompatArgs) -> Exit {
 }
 
 impl Version {
-    fn side(&self) -> Side<'_> {
-        Side { name: self.name.clone(), schema: &self.library.base().schema, dds: self.dds.clone() }
+    /// The version in a comparison. The user's list of DDS topics takes precedence.
+    fn side(&self, dds: Option<&DdsTopics>) -> Side<'_> {
+        let dds = dds.or(self.dds.as_ref()).cloned();
+        Side { name: self.name.clone(), schema: &self.library.base().schema, dds }
     }
 }
 
@@ -152,31 +154,36 @@ fn own_definitions(args: &CompatArgs) -> Result<Library, Status> {
     library(Some(&path), Some(Dialect::Px4), &[])
 }
 
-/// The versions of PX4 to compare with. Prints errors.
-fn versions(args: &CompatArgs, dds: Option<&DdsTopics>) -> Result<Vec<Version>, Status> {
-    let usage = |failure: Failure| Status::Usage.failed(&failure);
+/// The releases to compare with. Prints errors.
+fn labels(args: &CompatArgs) -> Result<Vec<String>, Status> {
     let all = [format!("{FIRST}..main")];
     let ranges = if args.with.is_empty() && args.against.is_empty() { &all[..] } else { &args.with };
-    let mut versions = Vec::new();
-    for range in ranges {
-        for label in releases(range)? {
-            let library = Library::release(&label).map_err(usage)?;
-            versions.push(Version { name: label, library, dds: dds.cloned() });
-        }
-    }
-    for path in &args.against {
+    let releases: Vec<Vec<String>> = ranges.iter().map(|range| releases(range)).collect::<Result<_, _>>()?;
+    Ok(releases.concat())
+}
+
+/// All releases of PX4. Prints errors.
+fn released() -> Result<Vec<Version>, Status> {
+    let library = Library::built_in();
+    let index = library.index();
+    let version = |release| {
+        let name = index.label(release);
+        let library = Library::release(&name).map_err(|failure| Status::Usage.failed(&failure))?;
+        Ok(Version { name, library, dds: None })
+    };
+    index.releases_of(Family::Px4).map(version).collect()
+}
+
+/// The versions of `--against`. Prints errors.
+fn others(args: &CompatArgs) -> Result<Vec<Version>, Status> {
+    let version = |path: &PathBuf| {
         let messages = path.join("msg");
         let messages = if path.join("src").is_dir() && messages.is_dir() { &messages } else { path };
         let library = library(Some(messages), Some(Dialect::Px4), &[])?;
-        let file = path.join(DDS_TOPICS);
-        let own = file.is_file().then(|| DdsTopics::read(&file)).transpose().map_err(usage)?;
-        versions.push(Version {
-            name: path.to_string_lossy().into_owned(),
-            library,
-            dds: dds.cloned().or(own),
-        });
-    }
-    Ok(versions)
+        let dds = DdsTopics::of_checkout(path).map_err(|failure| Status::Usage.failed(&failure))?;
+        Ok(Version { name: path.to_string_lossy().into_owned(), library, dds })
+    };
+    args.against.iter().map(version).collect()
 }
 
 /// The releases of a range such as `px4@1.15..main`. Prints errors.

@@ -20,7 +20,7 @@ use super::{Definitions, LoadedRelease, SchemaError, Schemas, Shared, built_in_e
 use crate::limits::MAX_STORED;
 
 /// The ROS package of PX4's messages.
-const PX4_ROS_PACKAGE: &str = "px4_msgs";
+pub const PX4_ROS_PACKAGE: &str = "px4_msgs";
 
 /// The ROS package that a name denotes. The name of the PX4 family denotes the package `px4_msgs`.
 pub fn ros_package(name: &str) -> &str {
