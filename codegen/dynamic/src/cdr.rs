@@ -1,6 +1,7 @@
 //! CDR codec.
 
 mod read;
+mod transfer;
 mod write;
 
 pub(super) use read::decode;

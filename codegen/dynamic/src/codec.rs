@@ -148,8 +148,13 @@ impl<'v> DynamicView<'v> {
 
     /// Encodes the message as a CDR payload.
     pub fn to_cdr(self, order: ByteOrder) -> Result<Vec<u8>, Error> {
+        self.to_cdr_in(order, Vec::new())
+    }
+
+    /// Like [`to_cdr`](Self::to_cdr), with a buffer for the payload, such as that of an earlier message.
+    pub fn to_cdr_in(self, order: ByteOrder, buffer: Vec<u8>) -> Result<Vec<u8>, Error> {
         self.message_type().check()?;
-        cdr::encode(self, order)
+        cdr::encode(self, order, buffer)
     }
 
     /// Converts the message to JSON. Fails if a float is infinite or text isn't UTF-8.

@@ -1,5 +1,6 @@
 //! The compiled form of a type, for codecs and checks.
 
+use std::ops::Range;
 use std::sync::OnceLock;
 
 use uavspec_runtime::Number;
@@ -34,7 +35,7 @@ pub(super) struct Plan {
     pub(super) is_restricted: bool,
     /// The reason why the type is unusable.
     pub(super) defect: Option<Defect>,
-    /// Set when the first message is read from CDR.
+    /// Set when the first message is read from CDR or written to it.
     pub(super) transfer: OnceLock<Option<Transfer>>,
 }
 
@@ -43,6 +44,8 @@ pub(super) struct Plan {
 pub(super) struct Transfer {
     /// The parts, in the order of CDR: the offset after the header, the offset in memory, and the length.
     pub(super) parts: Vec<(usize, usize, usize)>,
+    /// The places of `bool`s in CDR, as offsets after the header. In memory, any other byte than 0 is true.
+    pub(super) bools: Vec<Range<usize>>,
     /// The size of the message in CDR, without the header.
     pub(super) size: usize,
 }

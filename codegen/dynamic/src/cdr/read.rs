@@ -9,7 +9,6 @@ use uavspec_schema::{Element, Shape};
 
 use crate::bytes::reverse_each;
 use crate::error::{Error, Reason};
-use crate::limits::{MAX_PARTS, MAX_TRANSFERRED};
 use crate::message::DynamicMessage;
 use crate::plan::{Field, GROWTH, Plan, SLOT, Transfer};
 use crate::text::{Bounds, read_narrow, read_wide};
@@ -70,8 +69,7 @@ fn read<'t>(
 /// Copies the parts of a message of fixed size to the empty buffer. `None` if the body has another size, or if the message has
 /// too many parts.
 fn transfer(ty: MessageType<'_>, body: &[u8], buffer: &mut Vec<u8>) -> Option<()> {
-    let Transfer { parts, size } =
-        ty.plan.transfer.get_or_init(|| Transfer::default().of(ty.types, ty.plan, 0)).as_ref()?;
+    let Transfer { parts, size, .. } = ty.plan.transfer(ty.types)?;
     let left = body.len().checked_sub(*size)?;
     if left > 0 && !is_padding(size + HEADER, left) {
         return None;
@@ -81,48 +79,6 @@ fn transfer(ty: MessageType<'_>, body: &[u8], buffer: &mut Vec<u8>) -> Option<()
         buffer[*to..to + length].copy_from_slice(&body[*from..from + length]);
     }
     Some(())
-}
-
-impl Transfer {
-    /// Adds the parts of the message at offset `base` in memory. `None` if its size varies, or if there are too many parts.
-    fn of(mut self, types: &Types, plan: &Plan, base: usize) -> Option<Self> {
-        if !plan.is_fixed || self.parts.len() > MAX_PARTS || self.size > MAX_TRANSFERRED {
-            return None;
-        }
-        if plan.fields.is_empty() {
-            self.size += 1;
-        }
-        for field in &plan.fields {
-            let at = base + field.offset;
-            match field.element {
-                // A message of fixed size has no strings.
-                Element::String { .. } => return None,
-                Element::Scalar(scalar) => self.add(at, field.count() * scalar.size(), scalar.size()),
-                Element::Text(length) => self.add(at, length as usize, 1),
-                Element::Message(id) => {
-                    for index in 0..field.count() {
-                        self = self.of(types, types.get(id).plan, at + index * field.stride)?;
-                    }
-                }
-            }
-        }
-        Some(self)
-    }
-
-    /// Adds a part, or extends the previous one.
-    fn add(&mut self, memory: usize, length: usize, alignment: usize) {
-        if length == 0 {
-            return;
-        }
-        let body = self.size.next_multiple_of(alignment);
-        self.size = body + length;
-        match self.parts.last_mut() {
-            Some((from, to, before)) if *from + *before == body && *to + *before == memory => {
-                *before += length;
-            }
-            _ => self.parts.push((body, memory, length)),
-        }
-    }
 }
 
 struct Reader<'b> {
@@ -333,34 +289,5 @@ mod tests {
         assert!(reader.message(ty.plan, 0).is_err());
         let room = reader.buffer.len();
         assert!((5000..=8000).contains(&room), "{room} bytes allocated for a body of {}", body.len());
-    }
-
-    /// The strict mode reads field by field.
-    #[test]
-    fn transferred_messages_are_the_same_as_those_read_by_field() {
-        let mut sources = SourceMap::default();
-        let mut package = PackageInput::new("demo", Form::Msg(Dialect::Px4), Vec::new());
-        for (name, text) in [
-            ("Mark", "uint8 kind\nuint64 time\nbool[3] flags\nfloat32 height\n"),
-            (
-                "Glider",
-                "uint8 id\nuint64 timestamp\nMark[2] marks\nchar[5] sign\nint16[3] turns\nfloat64 lift\n",
-            ),
-        ] {
-            package.sources.push(sources.add(format!("{name}.msg"), text.into()).expect("a text"));
-        }
-        let types = Types::new(&uavspec_schema::read(&sources, &[package]).0);
-        let ty = types.find("demo", "Glider").expect("the type");
-        let size = Transfer::default().of(&types, ty.plan, 0).expect("a message of fixed size").size;
-        let mut payload = ByteOrder::LittleEndian.header().to_vec();
-        payload.extend((0..size).map(|at| u8::from(at % 3 > 0)));
-        for padding in 0..=4 {
-            payload.resize(HEADER + size + padding, 0);
-            let [fast, slow] = [false, true].map(|is_strict| decode(ty, &payload, is_strict, Vec::new()));
-            let memory = |read: Result<DynamicMessage<'_>, Error>| read.map(DynamicMessage::into_memory).ok();
-            assert_eq!(memory(fast), memory(slow), "{padding} bytes of padding");
-        }
-        payload.truncate(HEADER + size - 1);
-        assert!(decode(ty, &payload, false, vec![7; 1000]).is_err());
     }
 }

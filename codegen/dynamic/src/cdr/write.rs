@@ -8,15 +8,24 @@ use uavspec_schema::Element;
 
 use crate::bytes::{make_bools, part, reverse_each, slot};
 use crate::error::{Error, Reason};
-use crate::plan::{Field, Plan};
+use crate::plan::{Field, Plan, Transfer};
 use crate::text::{Bounds, code_units};
 use crate::trail::Trail;
 use crate::types::Types;
 use crate::view::DynamicView;
 use crate::walk::{Stop, Walk, walk};
 
-/// Encodes a message as a CDR payload.
-pub(crate) fn encode(view: DynamicView<'_>, order: ByteOrder) -> Result<Vec<u8>, Error> {
+/// Encodes a message as a CDR payload, in the memory of `buffer`.
+pub(crate) fn encode(view: DynamicView<'_>, order: ByteOrder, mut buffer: Vec<u8>) -> Result<Vec<u8>, Error> {
+    buffer.clear();
+    if order == ByteOrder::LittleEndian && transfer(view, &mut buffer).is_some() {
+        return Ok(buffer);
+    }
+    by_field(view, order)
+}
+
+/// Encodes a message field by field.
+pub(super) fn by_field(view: DynamicView<'_>, order: ByteOrder) -> Result<Vec<u8>, Error> {
     // The CDR form is rarely larger than the memory form plus the header.
     let mut out = Vec::with_capacity(view.bytes.len().saturating_sub(view.base) + HEADER);
     out.extend_from_slice(&order.header());
@@ -25,6 +34,22 @@ pub(crate) fn encode(view: DynamicView<'_>, order: ByteOrder) -> Result<Vec<u8>,
         Some(()) => Ok(writer.out),
         None => Err(refuse(view)),
     }
+}
+
+/// Copies the parts of a message of fixed size to the empty buffer. `None` if the message has too many parts.
+fn transfer(view: DynamicView<'_>, buffer: &mut Vec<u8>) -> Option<()> {
+    let Transfer { parts, bools, size } = view.plan.transfer(view.types)?;
+    let memory = view.bytes.get(view.base..)?;
+    buffer.extend_from_slice(&ByteOrder::LittleEndian.header());
+    buffer.resize(HEADER + size, 0);
+    let body = buffer.get_mut(HEADER..)?;
+    for (to, from, length) in parts {
+        body.get_mut(*to..to + length)?.copy_from_slice(memory.get(*from..from + length)?);
+    }
+    for place in bools {
+        make_bools(body.get_mut(place.clone())?);
+    }
+    Some(())
 }
 
 struct Writer<'b> {
