@@ -129,6 +129,33 @@ fn logs_get_the_formats_of_the_target_release() {
 }
 
 #[test]
+fn the_name_of_the_output_decides_its_format() {
+    let folder = workspace();
+    let output = run(folder.path(), &["in.mcap", "-o", "out.ULG"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let expected = "in.mcap: px4@1.16, MCAP to ULog\n  converted  /fmu/out/arming_check_request as \
+                    arming_check_request: 2 messages\n1 topic converted, 0 copied unchanged, 0 left out\n";
+    assert_eq!(text(&output.stdout), expected);
+    let output = run(folder.path(), &["out.ULG", "--to=px4@1.17", "-o", "out.mcap", "--format=json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!((&report["from_format"], &report["to_format"]), (&"ULog".into(), &"MCAP".into()));
+    let bytes = fs::read(folder.path().join("out.mcap")).expect("a file");
+    let messages = MessageStream::new(&bytes).expect("a bag");
+    let topics: Vec<String> =
+        messages.map(|message| message.expect("a message").channel.topic.clone()).collect();
+    assert_eq!(topics, ["/fmu/out/arming_check_request_v1"; 2]);
+    for (output, code, problem) in [
+        ("same.mcap", 2, "IN and OUT are both MCAP"),
+        ("same", 2, "set the release of the output, such as --to px4@1.16"),
+    ] {
+        let output = run(folder.path(), &["in.mcap", "-o", output]);
+        assert_eq!(output.status.code(), Some(code));
+        assert!(text(&output.stderr).contains(problem), "{}", text(&output.stderr));
+    }
+}
+
+#[test]
 fn json_messages_are_converted() {
     let folder = workspace();
     let line =

@@ -138,13 +138,20 @@ pub(crate) const MAX_CONVERTED_SCHEMAS: usize = 64 << 20;
 /// file until it is complete.
 pub(crate) const MAX_ATTACHMENT: usize = 16 << 20;
 
-/// The maximum total size of the JSON messages that wait for a decision about their type, in bytes. The channel that
-/// exceeds the limit is copied.
+/// The maximum total size of the messages that wait for a decision, in bytes: JSON messages for a decision about their type,
+/// and messages of a log for the time in UTC. A JSON channel that exceeds the limit is copied. The messages of a log continue in
+/// a temporary file.
 pub(crate) const MAX_WAITING: usize = 16 << 20;
 
 /// The maximum number of topics of a converted log. A log has at most 8,192 formats, but hostile logs may subscribe to more
 /// topics.
 pub(crate) const MAX_LOG_TOPICS: usize = 10_000;
+
+/// The maximum number of parameters in a message of the output. PX4 has fewer than two thousand.
+pub(crate) const MAX_PARAMETERS: usize = 10_000;
+
+/// The maximum total size of a log's information and default parameters, in bytes.
+pub(crate) const MAX_INFORMATION: usize = 4 << 20;
 
 /// The maximum number of flights in a capture, and the maximum number of takeoffs and of landings in a flight.
 pub(crate) const MAX_FLIGHTS: usize = 100;

@@ -190,7 +190,7 @@ fn check_log(input: impl Read, run: CheckRun<'_>) -> CaptureResult {
 
 /// The event metadata of a log, in pieces.
 #[derive(Default)]
-struct Metadata {
+pub(crate) struct Metadata {
     bytes: Vec<u8>,
     /// The location of the first piece.
     place: Option<Location>,
@@ -200,12 +200,12 @@ struct Metadata {
 
 impl Metadata {
     /// The key of the pieces.
-    const KEY: &'static str = "metadata_events";
+    pub(crate) const KEY: &'static str = "metadata_events";
 
     /// The key of the SHA-256 hash of all pieces.
     const DIGEST: &'static str = "metadata_events_sha256";
 
-    fn add(&mut self, piece: &[u8], location: Location) {
+    pub(crate) fn add(&mut self, piece: &[u8], location: Location) {
         self.place.get_or_insert(location);
         if self.bytes.len() <= MAX_EVENTS_LEN {
             self.bytes.extend_from_slice(piece);
@@ -213,7 +213,7 @@ impl Metadata {
     }
 
     /// The event metadata in all pieces. Fails if it is too long.
-    fn bytes(&self) -> Result<&[u8], String> {
+    pub(crate) fn bytes(&self) -> Result<&[u8], String> {
         if self.bytes.len() > MAX_EVENTS_LEN {
             return Err(format!("it is longer than {} bytes", thousands(MAX_EVENTS_LEN)));
         }

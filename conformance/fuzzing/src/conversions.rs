@@ -4,10 +4,10 @@ use std::io::{Cursor, Read};
 use std::path::Path;
 use std::sync::{Arc, LazyLock};
 
-use uavspec_capture::MCAP_MAGIC;
 use uavspec_capture::mcap::{Event, Reader};
+use uavspec_capture::{MCAP_MAGIC, ULOG_MAGIC, ulog};
 use uavspec_check::Opened;
-use uavspec_check::convert::{Action, ConversionReport, Plan, Settings, convert};
+use uavspec_check::convert::{Action, ConversionReport, Format, Plan, Settings, convert};
 use uavspec_rules::definitions::Library;
 use uavspec_rules::sample::{Bag, Flight};
 use uavspec_schema::Failure;
@@ -23,7 +23,7 @@ static SOURCE: LazyLock<Library> = LazyLock::new(|| release("px4@1.17"));
 /// The plan for the conversion to another release. Creating a plan takes longer than converting an input.
 static PLAN: LazyLock<Plan> = LazyLock::new(|| {
     let source = Arc::clone(SOURCE.base());
-    valid(Plan::new(source, &Library::built_in(), &release("px4@1.16"), None))
+    valid(Plan::new(source, &Library::built_in(), Some(&release("px4@1.16")), None))
 });
 
 fn release(label: &str) -> Library {
@@ -34,6 +34,53 @@ fn valid<T>(result: Result<T, Failure>) -> T {
     result.unwrap_or_else(|failure| panic!("{failure}"))
 }
 
+/// The plan for a conversion to another format.
+static SAME: LazyLock<Plan> =
+    LazyLock::new(|| valid(Plan::new(Arc::clone(SOURCE.base()), &Library::built_in(), None, None)));
+
+/// Converts a log to an MCAP file, and this file to a log. Both must be readable, and must contain all messages except those
+/// that the report lists as left out.
+pub(super) fn log(data: &[u8]) {
+    if !data.starts_with(&ULOG_MAGIC) {
+        return;
+    }
+    let change = |kind, data: &[u8], format| {
+        let mut output = Vec::new();
+        let bytes: Box<dyn Read + Send> = Box::new(Cursor::new(data.to_vec()));
+        let opened = Opened { kind, definitions: Arc::clone(SOURCE.base()), bytes, state: None };
+        let settings = Settings { format: Some(format), ..Settings::default() };
+        let report = convert((Path::new("fuzz"), opened), &SAME, settings, &mut output);
+        (report.unwrap_or_else(|error| panic!("{error:?}")), output)
+    };
+    let (report, bag) = change("ULog", data, Format::Bag);
+    assert_eq!(messages(&bag), kept(&report));
+    let (report, log) = change("MCAP", &bag, Format::Log);
+    let of_topics = |report: ConversionReport| {
+        let topics = report.topics.into_iter().filter(|topic| topic.renamed.is_some());
+        ConversionReport { topics: topics.collect(), ..report }
+    };
+    assert_eq!(records(&log), kept(&of_topics(report)));
+}
+
+/// The number of messages that an output must contain.
+fn kept(report: &ConversionReport) -> u64 {
+    let kept = report.topics.iter().filter(|topic| topic.action != Action::LeftOut);
+    kept.map(|topic| topic.messages - topic.unreadable).sum()
+}
+
+/// The number of data messages in a log.
+fn records(output: &[u8]) -> u64 {
+    let (mut reader, mut log, mut count) = (ulog::Reader::new(output), ulog::Log::default(), 0);
+    while let Some(item) = reader.next().unwrap_or_else(|error| panic!("memory: {error}")) {
+        if let ulog::Event::Problem(problem) = &item.event {
+            panic!("the output has a problem: {problem}");
+        }
+        let record = log.take(&item, &mut |_, problem| panic!("the output has a problem: {problem}"));
+        count += u64::from(record.is_some());
+    }
+    count
+}
+
 /// Converts an MCAP file. The output must be readable, and must contain all messages except those that the report lists
 /// as left out.
 pub(super) fn mcap(data: &[u8]) {
@@ -41,11 +88,9 @@ pub(super) fn mcap(data: &[u8]) {
         return;
     }
     for keeps_unconverted in [false, true] {
-        let settings = Settings { keeps_unconverted };
+        let settings = Settings { keeps_unconverted, ..Settings::default() };
         let (report, output) = converted(Box::new(Cursor::new(data.to_vec())), settings);
-        let kept = report.topics.iter().filter(|topic| topic.action != Action::LeftOut);
-        let expected = kept.map(|topic| topic.messages - topic.unreadable);
-        assert_eq!(messages(&output), expected.sum::<u64>());
+        assert_eq!(messages(&output), kept(&report));
         let (_, in_pieces) = converted(Box::new(Pieces::new(data)), settings);
         assert!(output == in_pieces, "the output depends on the lengths of reads");
     }

@@ -58,6 +58,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "application", check: applications::sources, seeds: applications::seeds },
     Target { name: "json-capture", check: captures::json, seeds: captures::json_seeds },
     Target { name: "convert", check: conversions::mcap, seeds: conversions::mcap_seeds },
+    Target { name: "convert-format", check: conversions::log, seeds: || captures::flights(Encoding::Ulog) },
     Target {
         name: "session",
         check: |data| captures::starting_with(b"{", data),

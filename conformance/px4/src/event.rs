@@ -165,6 +165,21 @@ impl RawEvent {
         events.decode(self.id, &self.arguments)
     }
 
+    /// Describes an event without metadata by its id and its bytes.
+    pub fn undecoded(&self) -> String {
+        let Self { id, levels, .. } = *self;
+        let arguments: Vec<String> = self.used().iter().map(|byte| format!("{byte:02x}")).collect();
+        let arguments =
+            if arguments.is_empty() { String::new() } else { format!(", arguments {}", arguments.join(" ")) };
+        format!(
+            "event {id} (component {}, number {}), log levels {} and {}{arguments}",
+            id >> 24,
+            id & 0x00ff_ffff,
+            levels >> 4,
+            levels & 0xf
+        )
+    }
+
     /// The arguments without the zeros at the end.
     pub fn used(&self) -> &[u8] {
         let used = self.arguments.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1);

@@ -45,6 +45,42 @@ pub fn nested(ty: MessageType<'_>) -> Vec<MessageType<'_>> {
     found
 }
 
+/// The fields of a format in the language of `.msg` files, followed by its nested types, as bags store them. `package` is the
+/// ROS package of these types.
+pub fn bag_text(format: MessageType<'_>, package: &str) -> String {
+    let mut text = declarations(format);
+    for nested in nested(format) {
+        let name = message_name(nested.name());
+        let _ = write!(text, "{}\nMSG: {package}/{name}\n{}", "=".repeat(80), declarations(nested));
+    }
+    text
+}
+
+/// The fields of a format, each on a line.
+fn declarations(format: MessageType<'_>) -> String {
+    let mut text = String::new();
+    for field in format.fields() {
+        let ty = field.ty().written();
+        let element = match ty.element {
+            Element::Scalar(scalar) => scalar.name().to_owned(),
+            Element::Message(id) => message_name(format.nested(id).name()),
+            // Formats have no strings, and a text is written as an array.
+            Element::Text(_) | Element::String { .. } => String::new(),
+        };
+        let _ = writeln!(text, "{element}{} {}", shape_text(ty.shape), field.name);
+    }
+    text
+}
+
+/// The name of the message of a format: the format's name in `PascalCase`.
+pub fn message_name(format: &str) -> String {
+    let words = format.split('_').filter_map(|word| {
+        let mut letters = word.chars();
+        Some(letters.next()?.to_uppercase().chain(letters).collect::<String>())
+    });
+    words.collect()
+}
+
 /// The name of a nested type: the message's name in `snake_case`, as in topic names.
 pub fn format_name(message: &str) -> String {
     let mut text = String::new();

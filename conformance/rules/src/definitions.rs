@@ -33,7 +33,9 @@ use uavspec_schema::fingerprint::{ros_name, service_hash_of_event};
 use uavspec_schema::msg::{Dialect, Kind};
 use uavspec_schema::source::Span;
 use uavspec_schema::translation::{self, Translations};
-use uavspec_schema::{Failure, Form, Message, MessageId, Package, PackageInput, Schema, SourceMap, read};
+use uavspec_schema::{
+    Element, Failure, Form, Message, MessageId, Package, PackageInput, Schema, SourceMap, read,
+};
 
 pub use self::choice::{Clues, FormatClue, JsonClue, TypeClue};
 use self::index::Index;
@@ -47,6 +49,9 @@ use crate::limits::MAX_PLANS;
 
 /// The prefix of the line that states the version of a message in a release.
 const VERSION: &str = "uint32 MESSAGE_VERSION=";
+
+/// The length of the line before the definition of a nested message in a bag.
+const SEPARATOR: usize = 80;
 
 /// The topic whose message defines the constants of vehicle states, which apply to other topics as well.
 pub const VEHICLE_STATUS: &str = "vehicle_status";
@@ -329,6 +334,30 @@ impl Definitions {
         BodySchemas { defined_schemas: self.defined_schemas(), schemas: &self.schemas }
     }
 
+    /// The text of a message's definition and of its nested messages, as bags store it.
+    pub fn bag_text(&self, id: MessageId) -> String {
+        let (mut text, mut known, mut waiting) = (String::new(), BTreeSet::from([id]), vec![id]);
+        while let Some(id) = waiting.pop() {
+            let message = self.schema.message(id);
+            if !text.is_empty() {
+                let name = ros_name(&self.schema, message).replacen("/msg/", "/", 1);
+                text.extend([&*"=".repeat(SEPARATOR), "\nMSG: ", &name, "\n"]);
+            }
+            text.push_str(self.sources.slice(message.span));
+            if !text.ends_with('\n') {
+                text.push('\n');
+            }
+            for field in &message.fields {
+                if let Element::Message(nested) = field.ty.element
+                    && known.insert(nested)
+                {
+                    waiting.push(nested);
+                }
+            }
+        }
+        text
+    }
+
     /// The line of a definition.
     pub fn line(&self, span: Span) -> Line<'_> {
         let id = self.sources.source_of(span);
@@ -363,7 +392,7 @@ pub fn unversioned(topic: &str) -> Option<&str> {
 }
 
 /// The folder of the topics that PX4 sends to applications. A namespace may precede it.
-pub(crate) const FROM_PX4: &str = "/fmu/out/";
+pub const FROM_PX4: &str = "/fmu/out/";
 
 /// The folders of the topics that PX4 exchanges with applications. A namespace may precede them.
 pub const FOLDERS: [&str; 2] = ["/fmu/in/", FROM_PX4];

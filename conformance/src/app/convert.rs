@@ -1,12 +1,12 @@
 //! `uavspec convert`.
 
 use std::io::{self, Read};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
-use uavspec_check::convert::{Action, ConversionReport, Error, Plan, Settings, convert};
+use uavspec_check::convert::{Action, ConversionReport, Error, Format, Plan, Settings, convert};
 use uavspec_check::{Opened, open_path};
 use uavspec_model::text::terminal;
 use uavspec_rules::definitions::Library;
@@ -16,11 +16,13 @@ use uavspec_schema::stage::write_file;
 use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;
 use super::report::print_result;
-use super::{Exit, Format, Status, uninterruptible, unreadable};
+use super::{Exit, Format as ReportFormat, Status, uninterruptible, unreadable};
 
 const EXAMPLES: &str = "Examples, with the files of `uavspec sample`:
   uavspec convert flight.ulg --to px4@1.16 -o converted.ulg
   uavspec convert flight.mcap --to px4@1.17 -o converted.mcap
+  uavspec convert flight.ulg -o bag.mcap
+  uavspec convert flight.mcap -o log.ulg
 
 With your own files:
   uavspec convert old.mcap --from px4@1.13 --to px4@1.16 -o new.mcap
@@ -39,6 +41,10 @@ must be converted separately.
 The output of a log contains the formats of the target release. Parameters, information and logged text stay the \
 same. Data that was appended after a crash directly follows the other data.
 
+If the name of OUT ends with .mcap or .ulg, a log becomes a bag, and a bag becomes a log. A bag has PX4's names of \
+topics, such as /fmu/out/battery_status1_v1, with the texts and events of a log on /rosout and its parameters on \
+/parameter_events. Its times are in UTC if the log contains the time of a satellite navigation receiver.
+
 JSON messages must specify their type or their topic, as for `uavspec check`. Their other members stay the same, and \
 so do values that aren't messages. A value that spans several lines is written on one line.
 
@@ -49,8 +55,9 @@ output, and an existing file stays unchanged.
 Limits: a converted message may take up to 256 MiB in memory. The schemas and channels of a bag may take up to 64 MiB, \
 including the names of attachments and metadata records. The names of schemas and topics in a bag may have up to 256 \
 bytes. A JSON value may have up to 16 MiB. A log, or a file with JSON messages, may have up to 10,000 topics and \
-types. An attachment of more than 16 MiB is stored in the folder for temporary files until it is complete. The index \
-of an MCAP file is in memory until the end: about 0.6 MiB for each GiB of a bag with 235 topics.
+types. The information of a log may have up to 4 MiB. An attachment of more than 16 MiB is stored in the folder for \
+temporary files until it is complete, and so are messages of a log until a time in UTC is known, and the messages of \
+a bag that becomes a log. The index of an MCAP file is in memory until the end: about 0.6 MiB for each GiB of a bag with 235 topics.
 
 Exit status:
   0  success
@@ -71,10 +78,12 @@ pub(super) struct ConvertArgs {
     /// rosbridge). It may be compressed with gzip or zstd.
     #[arg(value_name = "IN")]
     input: PathBuf,
-    /// Release of the output, such as px4@1.16.
+    /// Release of the output, such as px4@1.16 [default for a new format: the messages keep their types].
     #[arg(long, value_name = "RELEASE")]
-    to: String,
+    to: Option<String>,
     /// File to write. It replaces an existing file, but never the input.
+    ///
+    /// If its name ends with .mcap or .ulg, the output has this format. Otherwise, it has the format of the input.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// Release of the input [default: the release that matches best, for each topic].
@@ -93,7 +102,7 @@ pub(super) struct ConvertArgs {
     keep_unconverted: bool,
     /// Output format of the report: text or json.
     #[arg(long, value_name = "FORMAT", default_value = "text", hide_possible_values = true)]
-    format: Format,
+    format: ReportFormat,
 }
 
 /// Runs `uavspec convert`.
@@ -111,7 +120,7 @@ pub(super) fn run(args: &ConvertArgs) -> Exit {
     let source = args.from.as_deref().map_or_else(|| Ok(Library::built_in()), Library::release);
     let usage = |failure: Failure| Status::Usage.failed(&failure);
     let source = source.map_err(usage)?;
-    let target = Library::release(&args.to).map_err(usage)?;
+    let target = args.to.as_deref().map(Library::release).transpose().map_err(usage)?;
     let interrupted = interruption()?;
     let progress = Progress::bytes(std::fs::metadata(&args.input).map_or(0, |metadata| metadata.len()));
     let opened = open_path(&args.input, &source, &|input| {
@@ -120,17 +129,31 @@ pub(super) fn run(args: &ConvertArgs) -> Exit {
     });
     let opened = opened.map_err(|error| unreadable(&args.input, error))?;
     let opened = opened.map_err(|reason| unreadable(&args.input, reason))?;
-    let plan = Plan::new(Arc::clone(&opened.definitions), &source, &target, args.hints.as_deref());
+    let format = Format::of(&opened).map_err(|error| failed(args, error))?;
+    let settings = Settings { format: format_of(&args.output), keeps_unconverted: args.keep_unconverted };
+    if target.is_none() && settings.format.is_none_or(|wanted| wanted == format) {
+        let help = "set the release of the output, such as --to px4@1.16, or write another format, such as -o out.mcap";
+        return Err(Status::Usage.with_help(format!("IN and OUT are both {}", format.name()), help));
+    }
+    let plan = Plan::new(Arc::clone(&opened.definitions), &source, target.as_ref(), args.hints.as_deref());
     let plan = plan.map_err(usage)?;
-    let report = write(args, opened, &plan, &interrupted);
+    let report = write(args, opened, &plan, settings, &interrupted);
     drop(progress);
     let report = report?;
     let text = match args.format {
-        Format::Text => report.to_text(),
-        Format::Json => report.to_json(),
+        ReportFormat::Text => report.to_text(),
+        ReportFormat::Json => report.to_json(),
     };
     print_result(&text)?;
     Ok(status(&report))
+}
+
+/// The format that the name of a file indicates.
+fn format_of(path: &Path) -> Option<Format> {
+    let extension = path.extension()?;
+    [("mcap", Format::Bag), ("ulg", Format::Log)]
+        .into_iter()
+        .find_map(|(known, format)| extension.eq_ignore_ascii_case(known).then_some(format))
 }
 
 /// Writes the output. If this fails, prints errors and removes the output.
@@ -138,9 +161,9 @@ fn write(
     args: &ConvertArgs,
     opened: Opened<'_>,
     plan: &Plan,
+    settings: Settings,
     interrupted: &AtomicBool,
 ) -> Result<ConversionReport, Status> {
-    let settings = Settings { keeps_unconverted: args.keep_unconverted };
     let result = write_file(&args.output, |file| {
         let report = convert((&args.input, opened), plan, settings, file)?;
         if interrupted.load(Ordering::Relaxed) {
@@ -151,10 +174,15 @@ fn write(
     if result.is_err() && interrupted.load(Ordering::Relaxed) {
         return Err(Status::Unreadable.because("interrupted: no output was written"));
     }
-    result.map_err(|error| match error {
+    result.map_err(|error| failed(args, error))
+}
+
+/// Prints an error.
+fn failed(args: &ConvertArgs, error: Error) -> Status {
+    match error {
         Error::Input(problem) => unreadable(&args.input, problem),
         Error::Write(error) => unreadable(&args.output, error),
-    })
+    }
 }
 
 /// The exit status of a finished conversion.
@@ -163,7 +191,7 @@ fn status(report: &ConversionReport) -> Status {
         let help = "the output contains the readable messages";
         return Status::Incomplete.with_help("incomplete: some data of the input can't be read", help);
     }
-    if report.count(Action::Converted) == 0 {
+    if report.to.is_some() && report.count(Action::Converted) == 0 {
         let help = if report.from.is_empty() {
             "set the release of the input, such as --from px4@1.17"
         } else {
@@ -226,7 +254,7 @@ mod tests {
         let [source, target] =
             ["px4@1.16", "px4@1.17"].map(|release| Library::release(release).expect("a release"));
         let definitions = source.base();
-        let plan = Plan::new(Arc::clone(definitions), &source, &target, None).expect("a plan");
+        let plan = Plan::new(Arc::clone(definitions), &source, Some(&target), None).expect("a plan");
         let convert = |rest: fn(Arc<AtomicBool>) -> Box<dyn Read + Send>| {
             let interrupted = Arc::new(AtomicBool::new(false));
             let line = br#"{"type": "px4/ArmingCheckRequest", "message": {"timestamp": 9, "request_id": 6}}"#;
@@ -235,14 +263,15 @@ mod tests {
             let opened = Opened { kind: "JSON", definitions: Arc::clone(definitions), bytes, state: None };
             let args = ConvertArgs {
                 input: "in.jsonl".into(),
-                to: "px4@1.17".to_owned(),
+                to: Some("px4@1.17".to_owned()),
                 output: output.clone(),
                 from: None,
                 hints: None,
                 keep_unconverted: false,
-                format: Format::Text,
+                format: ReportFormat::Text,
             };
-            write(&args, opened, &plan, &interrupted).err()
+            let settings = Settings::default();
+            write(&args, opened, &plan, settings, &interrupted).err()
         };
         for before in [None, Some("old")] {
             if let Some(text) = before {

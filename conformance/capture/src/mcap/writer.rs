@@ -10,11 +10,12 @@ use std::io::{self, Read, Write};
 
 use crc32fast::Hasher;
 use mcap::records::{MessageHeader, op};
+use uavspec_schema::event::is_compressed;
 
 use self::chunk::Chunk;
 pub use self::chunk::compressed;
 use self::record::{bytes, prefixed, record, text, texts};
-use super::{AttachmentHead, LIBRARY, MAGIC, Packing};
+use super::{AttachmentHead, EVENT_METADATA, LIBRARY, MAGIC, Packing};
 
 /// The size of a chunk, in bytes. With larger chunks, the summary is smaller, but readers need more memory.
 const CHUNK_SIZE: usize = 4 << 20;
@@ -193,6 +194,15 @@ impl<W: Write> Writer<W> {
             body.take(left.min(BUFFER as u64)).read_to_end(&mut buffer)?;
         }
         Ok(())
+    }
+
+    /// Writes the event metadata of a vehicle as an attachment: JSON, which may be compressed with xz.
+    pub fn event_metadata(&mut self, file: &[u8]) -> io::Result<()> {
+        let [json, xz] = EVENT_METADATA;
+        let (name, media_type) =
+            if is_compressed(file) { (xz, "application/x-xz") } else { (json, "application/json") };
+        let body = attachment_body(name, media_type, file);
+        self.attachment(body.len() as u64, &mut &body[..])
     }
 
     /// Writes a record outside of chunks. Returns its offset and its length.

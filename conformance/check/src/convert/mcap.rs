@@ -1,9 +1,10 @@
 //! Converts MCAP files.
 
+mod declarations;
 mod json_schema;
 
 use std::borrow::Cow;
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, HashMap};
 use std::io::{self, Read, Seek as _, SeekFrom, Write};
 
 use mcap::records::MessageHeader;
@@ -17,15 +18,14 @@ use uavspec_rules::definitions::Definitions;
 use uavspec_runtime::cdr::ByteOrder;
 use uavspec_schema::MessageId;
 
+pub(super) use self::declarations::{Declarations, Declared, Schema, names};
+use self::declarations::{declared_again, fits, too_large};
 use super::plan::{Converted, Converters, Plan, Treatment};
 use super::report::{Action, Problems, TopicReport};
 use super::topic::Topic;
 use super::{Error, Settings};
-use crate::limits::{MAX_ATTACHMENT, MAX_CONVERTED_SCHEMAS, MAX_WAITING};
+use crate::limits::{MAX_ATTACHMENT, MAX_WAITING};
 use crate::{HASH, StatedType, confirms, decompressed, definition_of, digest, is_guess, stated_type};
-
-/// A schema: its name, encoding and text.
-type Schema = (String, String, Vec<u8>);
 
 /// The name, the encoding and the text of a schema in the output.
 type Content<'s> = (Cow<'s, str>, Cow<'s, str>, Cow<'s, [u8]>);
@@ -39,18 +39,6 @@ enum Origin {
     Target(MessageId),
     /// A message of the target, in the encoding of this schema of the input.
     Json(MessageId, u16),
-}
-
-/// The declaration of a channel.
-struct Declared {
-    id: u16,
-    /// The id of the schema; 0 if there is none.
-    schema: u16,
-    topic: String,
-    encoding: String,
-    metadata: BTreeMap<String, String>,
-    /// A hash of the declaration.
-    digest: u64,
 }
 
 struct Channel<'p> {
@@ -77,11 +65,7 @@ struct Stream<'p, 'o> {
     plan: &'p Plan,
     settings: Settings,
     output: Writer<&'o mut dyn Write>,
-    schemas: HashMap<u16, Schema>,
-    /// The ids of the schemas that exceed a limit.
-    left_out: BTreeSet<u16>,
-    /// The total size of the schemas and channels, in bytes, including the names of attachments and metadata records.
-    size: usize,
+    declarations: Declarations,
     /// The ids of the schemas in the output.
     written: HashMap<Origin, u16>,
     /// The total size of the schemas in the output, in bytes.
@@ -112,10 +96,7 @@ pub(super) fn convert(
                 continue;
             }
             Event::Header { .. } if stream.is_some() => {
-                problems.add(format!(
-                    "byte {}: another MCAP file starts here: split the file to convert it",
-                    item.offset
-                ));
+                problems.add(another_file(item.offset));
                 break;
             }
             Event::Header { profile, .. } => profile.clone(),
@@ -155,9 +136,7 @@ impl<'p, 'o> Stream<'p, 'o> {
             plan,
             settings,
             output,
-            schemas: HashMap::new(),
-            left_out: BTreeSet::new(),
-            size: 0,
+            declarations: Declarations::default(),
             written: HashMap::new(),
             written_size: 0,
             converters: Converters::default(),
@@ -172,7 +151,9 @@ impl<'p, 'o> Stream<'p, 'o> {
             self.output.set_packing(item.packing)?;
         }
         let found = match item.event {
-            Event::Schema { id, name, encoding, text } => self.schema(id, (name, encoding), text),
+            Event::Schema { id, name, encoding, text } => {
+                self.declarations.add_schema(id, (name, encoding), text)
+            }
             Event::Channel { id, schema, topic, encoding, metadata } => {
                 self.channel(id, schema, (topic, encoding), metadata)?
             }
@@ -194,31 +175,6 @@ impl<'p, 'o> Stream<'p, 'o> {
         Ok(())
     }
 
-    /// Stores a schema. Returns the problem if it is left out. Chunks and the summary repeat schemas; the first declaration
-    /// of an id is used.
-    fn schema(&mut self, id: u16, (name, encoding): (String, String), text: &[u8]) -> Option<String> {
-        if id == 0 {
-            return Some("a schema has the reserved id 0".to_owned());
-        }
-        if let Some((known_name, known_encoding, known)) = self.schemas.get(&id) {
-            let is_same = *known_name == name && *known_encoding == encoding && *known == text;
-            return (!is_same).then(|| declared_again("schema", id));
-        }
-        if self.left_out.contains(&id) {
-            return None;
-        }
-        let problem = if name.len() > MAX_NAME || encoding.len() > MAX_NAME {
-            format!("the name or the encoding is longer than {MAX_NAME} bytes")
-        } else if fits(&mut self.size, name.len() + encoding.len() + text.len()) {
-            self.schemas.insert(id, (name, encoding, text.to_vec()));
-            return None;
-        } else {
-            too_large()
-        };
-        self.left_out.insert(id);
-        Some(format!("schema {id}: {problem}"))
-    }
-
     /// Declares a channel. Returns the problem if it is left out.
     fn channel(
         &mut self,
@@ -236,7 +192,7 @@ impl<'p, 'o> Stream<'p, 'o> {
             self.channels.resize_with(at + 1, || None);
         }
         let is_json = encoding == "json";
-        if let Some(reason) = self.refusal(schema, &topic, &encoding, &metadata) {
+        if let Some(reason) = self.declarations.refusal(schema, &topic, &encoding, &metadata) {
             let problem = format!("channel {id}: {reason}");
             let topic = Topic::left_out(&start_of(&topic, MAX_NAME), reason);
             let channel = Channel { topic, digest, is_json, guess: None };
@@ -245,7 +201,7 @@ impl<'p, 'o> Stream<'p, 'o> {
         }
         let plan = self.plan;
         let source = plan.source();
-        let names = self.schemas.get(&schema).map(names);
+        let names = self.declarations.schema(schema).map(names);
         let definition = definition_of(&topic, names, source);
         let is_undecided =
             |id: &MessageId| is_json && plan.concerns(*id) && is_guess(&topic, names, *id, source);
@@ -266,7 +222,7 @@ impl<'p, 'o> Stream<'p, 'o> {
         definition: Option<MessageId>,
     ) -> Result<Option<String>, Error> {
         let plan = self.plan;
-        let stored = self.schemas.get(&declared.schema);
+        let stored = self.declarations.schema(declared.schema);
         let treatment = treatment(plan, &declared, stored, definition, &mut self.converters);
         let Declared { id, schema, topic, encoding, mut metadata, digest } = declared;
         let is_json = encoding == "json";
@@ -295,35 +251,13 @@ impl<'p, 'o> Stream<'p, 'o> {
         Ok(problem)
     }
 
-    /// The reason to leave out a new channel, if there is one: the channel exceeds a limit, or its schema is unknown.
-    /// Without the schema, its topic could be confused with a PX4 topic.
-    fn refusal(
-        &mut self,
-        schema: u16,
-        topic: &str,
-        encoding: &str,
-        metadata: &BTreeMap<String, String>,
-    ) -> Option<String> {
-        if topic.len() > MAX_NAME || encoding.len() > MAX_NAME {
-            return Some(format!("the topic or the encoding is longer than {MAX_NAME} bytes"));
-        }
-        if self.left_out.contains(&schema) {
-            return Some(format!("its schema {schema} is left out"));
-        }
-        if schema != 0 && !self.schemas.contains_key(&schema) {
-            return Some(format!("its schema {schema} hasn't been declared yet"));
-        }
-        let pairs: usize = metadata.iter().map(|(key, value)| key.len() + value.len()).sum();
-        (!fits(&mut self.size, topic.len() + encoding.len() + pairs)).then(too_large)
-    }
-
     /// Returns the id of a schema in the output, or 0 if there is no schema. Writes the schema if necessary. Returns
     /// `None` if the schemas in the output take too much space.
     fn written(&mut self, origin: Origin) -> Result<Option<u16>, Error> {
         if let Some(id) = self.written.get(&origin) {
             return Ok(Some(*id));
         }
-        let Some((name, encoding, text)) = content(self.plan, &self.schemas, origin) else {
+        let Some((name, encoding, text)) = content(self.plan, &self.declarations, origin) else {
             return Ok(Some(0));
         };
         if !fits(&mut self.written_size, text.len()) {
@@ -388,7 +322,7 @@ impl<'p, 'o> Stream<'p, 'o> {
     /// index.
     fn metadata(&mut self, body: &[u8]) -> Result<Option<String>, Error> {
         let length = body.first_chunk().map_or(0, |length| u32::from_le_bytes(*length) as usize);
-        if !fits(&mut self.size, length) {
+        if !self.declarations.has_room(length) {
             return Ok(Some(format!("a metadata record is left out: {}", too_large())));
         }
         self.output.metadata(body)?;
@@ -402,7 +336,7 @@ impl<'p, 'o> Stream<'p, 'o> {
             // The index contains both texts.
             let head = AttachmentHead::read(bytes);
             let names = head.map_or(0, |head| head.name.len() + head.media_type.len());
-            if !fits(&mut self.size, names) {
+            if !self.declarations.has_room(names) {
                 self.attachment = None;
                 return Ok(Some(format!("an attachment is left out: {}", too_large())));
             }
@@ -452,59 +386,38 @@ impl Guess {
     }
 }
 
-/// The problem to report for a declaration that differs from an earlier one with the same id.
-fn declared_again(kind: &str, id: u16) -> String {
-    format!("{kind} {id} is declared again with different content; the first declaration is used")
-}
-
-/// The problem to report for declarations that take too much space.
-fn too_large() -> String {
-    format!("the schemas, channels and names take more than {} MiB", MAX_CONVERTED_SCHEMAS >> 20)
-}
-
-/// Adds a size to a total, unless this would exceed the limit. Returns true if it was added.
-fn fits(total: &mut usize, size: usize) -> bool {
-    let sum = total.saturating_add(size);
-    if sum > MAX_CONVERTED_SCHEMAS {
-        return false;
-    }
-    *total = sum;
-    true
+/// The problem to report if another file follows.
+pub(super) fn another_file(offset: u64) -> String {
+    format!("byte {offset}: another MCAP file starts here: split the file to convert it")
 }
 
 /// The content of a schema in the output.
-fn content<'s>(plan: &Plan, schemas: &'s HashMap<u16, Schema>, origin: Origin) -> Option<Content<'s>> {
-    let of_input = |id: u16| schemas.get(&id);
+fn content<'s>(plan: &Plan, declarations: &'s Declarations, origin: Origin) -> Option<Content<'s>> {
     let definition = |message: MessageId| {
-        let text = plan.target_text(message).into_bytes();
+        let text = plan.target().bag_text(message).into_bytes();
         (plan.target_type(message).0.into(), "ros2msg".into(), text.into())
     };
     match origin {
         Origin::Target(message) => Some(definition(message)),
         Origin::Input(id) => {
-            let (name, encoding, text) = of_input(id)?;
+            let (name, encoding, text) = declarations.schema(id)?;
             Some((name.into(), encoding.into(), text.into()))
         }
         Origin::Json(message, id) => {
-            let (_, encoding, text) = of_input(id)?;
+            let (_, encoding, text) = declarations.schema(id)?;
             if encoding == "ros2msg" {
                 return Some(definition(message));
             }
             // Other encodings can't be written. An empty text has no meaning.
             let has_text = encoding == "jsonschema" && !text.is_empty();
-            let text = if has_text { json_schema::text(plan.target_schema(), message) } else { Vec::new() };
+            let text = if has_text { json_schema::text(&plan.target().schema, message) } else { Vec::new() };
             Some((plan.target_type(message).0.into(), encoding.into(), text.into()))
         }
     }
 }
 
-/// The name and the encoding of a schema.
-pub(super) fn names((name, encoding, _): &Schema) -> (&str, &str) {
-    (name, encoding)
-}
-
 /// The treatment of a channel whose messages have this definition. Also returns the release of its messages.
-fn treatment<'p>(
+pub(super) fn treatment<'p>(
     plan: &'p Plan,
     declared: &Declared,
     schema: Option<&Schema>,

@@ -1,6 +1,6 @@
 //! The conversions from the releases of a capture to the target release.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, HashMap};
 use std::fs;
 use std::path::Path;
 use std::rc::Rc;
@@ -9,17 +9,13 @@ use std::sync::Arc;
 use uavspec_definitions::PX4_HINTS;
 use uavspec_dynamic::MessageType;
 use uavspec_dynamic::conversion::{Conversion, Conversions, Converter, Hints, Version, read_hints};
-use uavspec_lint::release::{entries, full_name, write};
 use uavspec_model::text::terminal;
-use uavspec_rules::definitions::{Definitions, Library, LoadedRelease, versioned};
+use uavspec_rules::definitions::{Definitions, Family, Library, LoadedRelease, versioned};
 use uavspec_schema::fingerprint::ros_name;
 use uavspec_schema::source::SourceId;
-use uavspec_schema::{Element, Failure, Message, MessageId, Schema, SourceMap};
+use uavspec_schema::{Failure, Message, MessageId, SourceMap};
 
 use crate::topic_of;
-
-/// The length of a separator line in the text of a type.
-const SEPARATOR: usize = 80;
 
 /// The conversions of all messages of a capture's releases.
 pub struct Plan {
@@ -30,8 +26,6 @@ pub struct Plan {
     is_source_named: bool,
     /// The conversions of each package of the source, by its index.
     packages: BTreeMap<usize, Package>,
-    /// The definitions of the target by full ROS name, as text.
-    texts: BTreeMap<String, String>,
 }
 
 /// The conversions of a package.
@@ -120,24 +114,33 @@ impl HintFiles {
 }
 
 impl Plan {
-    /// Plans the conversion of captures with the definitions `source` to a release. `library` contains the fingerprints
-    /// of all releases. The user's hints take precedence over the published hints.
+    /// Plans the conversion of captures with the definitions `source` to a release, or without a release to the types that
+    /// the capture already has. `library` contains the fingerprints of all releases. The user's hints take precedence over
+    /// the published hints.
     pub fn new(
         source: Arc<Definitions>,
         library: &Library,
-        to: &Library,
+        to: Option<&Library>,
         hints: Option<&Path>,
     ) -> Result<Self, Failure> {
-        let target = Arc::clone(to.base());
-        let Some(release) = target.releases().first().cloned() else {
-            return Err(Failure::new("the target is not a release"));
+        let target = Arc::clone(to.map_or(&source, Library::base));
+        let mut releases = target.releases().iter();
+        let release = match to {
+            Some(_) => releases.next().cloned().ok_or_else(|| Failure::new("the target is not a release"))?,
+            None => releases
+                .find(|release| release.family == Family::Px4)
+                .cloned()
+                .unwrap_or(LoadedRelease { family: Family::Px4, label: String::new(), title: String::new() }),
         };
         let hints = HintFiles::read(hints)?;
         let mut packages = BTreeMap::new();
         let mut versions = Vec::new();
         for (index, package) in source.schema.packages.iter().enumerate() {
             let ros_package = &package.ros_package;
-            let twin = target.schema.packages.iter().position(|twin| twin.ros_package == *ros_package);
+            let twin = match to {
+                Some(_) => target.schema.packages.iter().position(|twin| twin.ros_package == *ros_package),
+                None => Some(index),
+            };
             let first = package.messages.first().and_then(|id| source.release_of(*id));
             let (Some(twin), Some(from)) = (twin, first.filter(|from| from.family == release.family)) else {
                 continue;
@@ -155,10 +158,8 @@ impl Plan {
         if !found.is_empty() {
             hints.check(&found, &versions)?;
         }
-        let text = write(&target.schema);
-        let texts = entries(&text).map(|entry| (full_name(&entry), entry.text.to_owned())).collect();
         let is_source_named = library.names_release(release.family);
-        Ok(Self { source, target, release, is_source_named, packages, texts })
+        Ok(Self { source, target, release, is_source_named, packages })
     }
 
     /// The definitions of the capture.
@@ -172,8 +173,14 @@ impl Plan {
         releases.map(|release| release.label.clone()).collect()
     }
 
-    pub(super) fn target_schema(&self) -> &Schema {
-        &self.target.schema
+    /// The definitions of the target.
+    pub(super) fn target(&self) -> &Definitions {
+        &self.target
+    }
+
+    /// True if the messages keep their types.
+    pub(super) fn keeps_types(&self) -> bool {
+        Arc::ptr_eq(&self.source, &self.target)
     }
 
     pub(super) fn target_label(&self) -> &str {
@@ -201,6 +208,9 @@ impl Plan {
 
     /// The treatment of messages whose fields differ from the definition of their type.
     pub(super) fn differs(&self, id: MessageId) -> Treatment<'_> {
+        if self.keeps_types() {
+            return Treatment::Copy;
+        }
         let release = self.source.release_of(id).map_or("", |release| &release.title);
         Treatment::LeaveOut(format!("its fields differ from {release}"))
     }
@@ -323,38 +333,6 @@ impl Plan {
         let message = self.target.schema.message(id);
         (ros_name(&self.target.schema, message), &message.type_hash)
     }
-
-    /// The definition of a message of the target, or of a part of a service, as text. `name` is its full ROS name.
-    fn text(&self, name: &str) -> Option<&str> {
-        let part = |suffix: &str, at: usize| {
-            let service = self.texts.get(name.strip_suffix(suffix)?)?;
-            service.split("---\n").nth(at)
-        };
-        let message = self.texts.get(name).map(String::as_str);
-        message.or_else(|| part("_Request", 0)).or_else(|| part("_Response", 1))
-    }
-
-    /// The definition of a message of the target with its nested messages, as bags store it.
-    pub(super) fn target_text(&self, id: MessageId) -> String {
-        let (mut text, mut known, mut waiting) = (String::new(), BTreeSet::from([id]), vec![id]);
-        while let Some(id) = waiting.pop() {
-            let message = self.target.schema.message(id);
-            let name = ros_name(&self.target.schema, message);
-            if !text.is_empty() {
-                let name = name.replacen("/msg/", "/", 1);
-                text.extend([&*"=".repeat(SEPARATOR), "\nMSG: ", &name, "\n"]);
-            }
-            text.push_str(self.text(&name).unwrap_or_default());
-            for field in &message.fields {
-                if let Element::Message(nested) = field.ty.element
-                    && known.insert(nested)
-                {
-                    waiting.push(nested);
-                }
-            }
-        }
-        text
-    }
 }
 
 #[cfg(test)]
@@ -364,7 +342,7 @@ mod tests {
     #[test]
     fn topics_with_the_same_messages_share_a_conversion() {
         let release = Library::release("px4@1.16").expect("a release");
-        let plan = Plan::new(Arc::clone(release.base()), &Library::built_in(), &release, None);
+        let plan = Plan::new(Arc::clone(release.base()), &Library::built_in(), Some(&release), None);
         let plan = plan.expect("a plan");
         let mut converters = Converters::default();
         let mut conversion = |name: &str, topic: &str| {

@@ -7,6 +7,7 @@ use serde::Serialize;
 use uavspec_model::text::{plural, shown, thousands};
 use uavspec_schema::json_text;
 
+use super::Format;
 use super::plan::Plan;
 
 /// The version of the JSON form.
@@ -26,14 +27,20 @@ pub struct ConversionReport {
     pub capture: String,
     /// The releases that the capture agrees with, such as `px4@1.18`.
     pub from: Vec<String>,
-    /// The target release.
-    pub to: String,
+    /// The target release. `None` if the messages keep their types.
+    pub to: Option<String>,
+    /// The format of the capture.
+    pub from_format: Format,
+    /// The format of the output.
+    pub to_format: Format,
     /// The topics, by name.
     pub topics: Vec<TopicReport>,
     /// The parts of the capture that can't be read.
     pub problems: Vec<String>,
     /// The number of problems that aren't listed.
     pub more_problems: u64,
+    /// Notes on the output.
+    pub notes: Vec<String>,
 }
 
 /// A topic of the capture.
@@ -65,9 +72,9 @@ pub struct TopicReport {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Action {
-    /// The messages have the type of the target release.
+    /// The messages have a type of the target release, or of their own release if there is no target.
     Converted,
-    /// The messages are copied unchanged.
+    /// The messages keep the fields that the capture states.
     Copied,
     /// The messages aren't in the output.
     #[default]
@@ -93,11 +100,12 @@ pub struct Loss {
     pub messages: Option<u64>,
 }
 
-/// The problems in a capture.
+/// The problems in a capture, and notes on the output.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Problems {
     listed: Vec<String>,
     more: u64,
+    notes: Vec<String>,
 }
 
 impl Problems {
@@ -108,20 +116,33 @@ impl Problems {
             self.more += 1;
         }
     }
+
+    pub(super) fn note(&mut self, note: &str) {
+        self.notes.push(note.to_owned());
+    }
 }
 
 impl ConversionReport {
-    pub(super) fn new(path: &Path, plan: &Plan, mut topics: Vec<TopicReport>, problems: Problems) -> Self {
+    pub(super) fn new(
+        path: &Path,
+        plan: &Plan,
+        formats: (Format, Format),
+        mut topics: Vec<TopicReport>,
+        problems: Problems,
+    ) -> Self {
         topics.sort_by(|left, right| (left.action, &left.topic).cmp(&(right.action, &right.topic)));
         Self {
             version: VERSION,
             uavspec: env!("CARGO_PKG_VERSION").to_owned(),
             capture: path.to_string_lossy().into_owned(),
             from: plan.sources(),
-            to: plan.target_label().to_owned(),
+            to: (!plan.keeps_types()).then(|| plan.target_label().to_owned()),
+            from_format: formats.0,
+            to_format: formats.1,
             topics,
             problems: problems.listed,
             more_problems: problems.more,
+            notes: problems.notes,
         }
     }
 
@@ -144,7 +165,14 @@ impl ConversionReport {
     pub fn to_text(&self) -> String {
         let from =
             if self.from.is_empty() { "no known release".to_owned() } else { shown(&self.from.join(", ")) };
-        let mut text = format!("{}: {from} to {}\n", shown(&self.capture), shown(&self.to));
+        let mut text = format!("{}: {from}", shown(&self.capture));
+        if let Some(to) = &self.to {
+            let _ = write!(text, " to {}", shown(to));
+        }
+        if self.from_format != self.to_format {
+            let _ = write!(text, ", {} to {}", self.from_format.name(), self.to_format.name());
+        }
+        text.push('\n');
         for topic in &self.topics {
             topic.write(&mut text);
         }
@@ -153,6 +181,9 @@ impl ConversionReport {
         }
         if self.more_problems > 0 {
             let _ = writeln!(text, "  problem    {} more", thousands(self.more_problems));
+        }
+        for note in &self.notes {
+            let _ = writeln!(text, "  note       {}", shown(note));
         }
         let [converted, copied, left_out] =
             [Action::Converted, Action::Copied, Action::LeftOut].map(|action| self.count(action));

@@ -1,18 +1,15 @@
 //! Converts PX4 logs.
 
-mod formats;
+pub(super) mod formats;
 
 use std::collections::HashMap;
 use std::io::{self, BufWriter, Read, Write};
 
-use uavspec_capture::input::UpToError;
-use uavspec_capture::ulog::{Event, Item, Log, LogProblem, Problem, Reader, Record};
-use uavspec_dynamic::ULOG_PACKAGE;
-use uavspec_model::Extent;
-use uavspec_px4::comparison::{Comparison, compare};
-use uavspec_rules::definitions::Definitions;
+use uavspec_capture::ulog::{Event, Item, Log, Record};
+use uavspec_dynamic::DynamicMessage;
 
 use self::formats::{Formats, LogFormats};
+use super::log::{self, Sink};
 use super::plan::{Converted, Converters, Plan, Treatment};
 use super::report::{Action, Problems, TopicReport};
 use super::topic::Topic;
@@ -20,7 +17,7 @@ use super::{Error, Settings};
 use crate::limits::MAX_LOG_TOPICS;
 
 /// The maximum size of a message in a log, in bytes. Two bytes are reserved for the id.
-const MAX_MESSAGE: usize = u16::MAX as usize - 2;
+pub(super) const MAX_MESSAGE: usize = u16::MAX as usize - 2;
 
 /// The offset of the first message.
 const FIRST_MESSAGE: u64 = 16;
@@ -57,17 +54,9 @@ pub(super) fn convert(
     settings: Settings,
     output: &mut dyn Write,
 ) -> Result<(Vec<TopicReport>, Problems), Error> {
-    let mut input = UpToError::new(input);
-    let (mut reader, mut log) = (Reader::new(&mut input), Log::default());
     let mut stream = Stream::new(plan, settings, output);
-    while let Ok(Some(item)) = reader.next() {
-        stream.item(&item, &mut log)?;
-    }
-    let position = reader.position();
-    if let Some(error) = &input.error {
-        stream.problems.add(format!("byte {position}: the rest is unreadable: {error}"));
-    }
-    stream.finish(&mut log)
+    let log = log::read(input, &mut stream)?;
+    stream.finish(&log)
 }
 
 impl<'p, 'o> Stream<'p, 'o> {
@@ -85,45 +74,6 @@ impl<'p, 'o> Stream<'p, 'o> {
             formats: Formats::default(),
             is_in_data: false,
         }
-    }
-
-    fn item(&mut self, item: &Item<'_>, log: &mut Log) -> Result<(), Error> {
-        let mut found = Vec::new();
-        let record = log.take(item, &mut |offset, problem| found.push((offset, problem)));
-        if let Some(record) = record {
-            return self.record(&record, item.bytes);
-        }
-        for (offset, problem) in found {
-            self.log_problem(offset, &problem);
-        }
-        match &item.event {
-            Event::Problem(problem) => {
-                if loses_data(problem) {
-                    self.problems.add(format!("byte {}: {problem}", item.offset));
-                }
-            }
-            Event::FlagBits { .. } if item.offset == FIRST_MESSAGE => self.flag_bits(item.bytes)?,
-            // Misplaced flag bits are ignored, and the formats follow at the end of the definitions section. Data that can't
-            // be read was reported above.
-            Event::FlagBits { .. } | Event::Format { .. } | Event::Data { .. } => {}
-            Event::Subscription { id, name, multi_id } => {
-                self.start_data(log)?;
-                self.subscribe(*id, *multi_id, (name, item.bytes), log)?;
-            }
-            Event::Unsubscription { id } => {
-                self.start_data(log)?;
-                let topic = self.routes.get(usize::from(*id)).copied().flatten();
-                if topic.is_some_and(|at| self.topics[at].report.action != Action::LeftOut) {
-                    self.output.write_all(item.bytes)?;
-                }
-            }
-            Event::Logging { .. } | Event::Dropout { .. } | Event::Synchronisation => {
-                self.start_data(log)?;
-                self.output.write_all(item.bytes)?;
-            }
-            _ => self.output.write_all(item.bytes)?,
-        }
-        Ok(())
     }
 
     /// Writes the flag bits. Appended data follows the other data directly in the output.
@@ -176,31 +126,16 @@ impl<'p, 'o> Stream<'p, 'o> {
 
     /// A topic with a format.
     fn planned(&mut self, name: &str, log: &Log) -> Topic<'p> {
-        let plan = self.plan;
-        let definitions = plan.source();
-        let format = log.types().find(ULOG_PACKAGE, name).filter(|format| format.size().is_some());
-        let id = definitions.message_of_logged_topic(name).filter(|id| plan.concerns(*id));
-        let release = id.and_then(|id| definitions.release_of(id)).map(|release| release.label.clone());
-        let is_other = |target: &Definitions| {
-            let id = target.message_of_logged_topic(name);
-            id.zip(format)
-                .is_some_and(|(id, format)| compare(format, target.types().get(id)) != Comparison::Equal)
-        };
-        let treatment = match (format, id) {
-            (_, None) => plan.undefined(is_other),
-            (Some(format), Some(id)) if compare(format, definitions.types().get(id)) != Comparison::Equal => {
-                plan.differs(id)
-            }
-            (_, Some(id)) => plan.treatment(id, name, &mut self.converters),
-        };
-        let mut topic = Topic::new(name, (release, treatment), plan, self.settings);
+        let format = log::format(name, log);
+        let treatment = log::treatment(self.plan, name, format, &mut self.converters);
+        let mut topic = Topic::new(name, treatment, self.plan, self.settings);
         let fits = |converted: &Converted<'_>| {
             converted.converter.target().size().is_some_and(|size| size.padded <= MAX_MESSAGE)
         };
         if format.is_none() {
             topic.leave_out("its format is invalid".to_owned());
         } else if !topic.converted.as_deref().is_none_or(fits) {
-            topic.leave_out(format!("its messages in {} don't fit into a log", plan.target_label()));
+            topic.leave_out(format!("its messages in {} don't fit into a log", self.plan.target_label()));
         }
         topic
     }
@@ -227,7 +162,7 @@ impl<'p, 'o> Stream<'p, 'o> {
             self.routes.resize(slot + 1, None);
         }
         // The subscription may have had no room.
-        self.routes[slot] = log.subscription(id).and_then(|_| self.topic(name));
+        self.routes[slot] = log.subscription(id).and_then(|_| self.topic_of(name));
         let Some(at) = self.routes[slot] else { return Ok(()) };
         self.subscribed[at] = true;
         let topic = &self.topics[at];
@@ -243,7 +178,7 @@ impl<'p, 'o> Stream<'p, 'o> {
     }
 
     /// The index of a topic; `None` if there are too many topics.
-    fn topic(&mut self, name: &str) -> Option<usize> {
+    fn topic_of(&mut self, name: &str) -> Option<usize> {
         if let Some(at) = self.by_name.get(name) {
             return Some(*at);
         }
@@ -257,11 +192,22 @@ impl<'p, 'o> Stream<'p, 'o> {
         Some(self.add(name, topic))
     }
 
+    fn finish(mut self, log: &Log) -> Result<(Vec<TopicReport>, Problems), Error> {
+        self.start_data(log)?;
+        self.output.flush()?;
+        let topics = self.topics.into_iter().zip(self.subscribed);
+        let topics = topics.filter_map(|(topic, is_subscribed)| is_subscribed.then(|| topic.finish()));
+        Ok((topics.collect(), self.problems))
+    }
+}
+
+impl<'p> Sink<'p> for Stream<'p, '_> {
+    const COPIES_UNKNOWN_KINDS: bool = true;
+
     /// Converts or copies a message.
     fn record(&mut self, record: &Record<'_>, bytes: &[u8]) -> Result<(), Error> {
         let id = record.subscription.id;
-        let Some(at) = self.routes.get(usize::from(id)).copied().flatten() else { return Ok(()) };
-        let topic = &mut self.topics[at];
+        let Some(topic) = self.topic(id) else { return Ok(()) };
         topic.report.messages += 1;
         match (topic.report.action, &topic.converted) {
             (Action::LeftOut, _) => Ok(()),
@@ -276,63 +222,59 @@ impl<'p, 'o> Stream<'p, 'o> {
         }
     }
 
-    /// Counts data that can't be read, and reports formats that can't be used.
-    fn log_problem(&mut self, offset: u64, problem: &LogProblem) {
-        match problem {
-            LogProblem::DataSize { id, .. }
-            | LogProblem::MissingFormat { id }
-            | LogProblem::UnusableFormat { id } => {
-                let topic = self.routes.get(usize::from(*id)).copied().flatten();
-                if let Some(topic) = topic.and_then(|at| self.topics.get_mut(at)) {
-                    topic.report.messages += 1;
-                    topic.unreadable(problem.to_string());
+    fn part(&mut self, item: &Item<'_>, log: &Log) -> Result<(), Error> {
+        match &item.event {
+            Event::FlagBits { .. } if item.offset == FIRST_MESSAGE => self.flag_bits(item.bytes)?,
+            // Misplaced flag bits are ignored, and the formats follow at the end of the definitions section.
+            Event::FlagBits { .. } | Event::Format { .. } => {}
+            Event::Subscription { id, name, multi_id } => {
+                self.start_data(log)?;
+                self.subscribe(*id, *multi_id, (name, item.bytes), log)?;
+            }
+            Event::Unsubscription { id } => {
+                self.start_data(log)?;
+                if self.topic(*id).is_some_and(|topic| topic.report.action != Action::LeftOut) {
+                    self.output.write_all(item.bytes)?;
                 }
             }
-            LogProblem::Resubscribed { .. }
-            | LogProblem::Redefined { .. }
-            | LogProblem::LateSubscription { .. }
-            | LogProblem::LateFormat { .. }
-            | LogProblem::NotSubscribed { .. } => {}
-            _ => self.problems.add(format!("byte {offset}: {problem}")),
+            Event::Logging { .. } | Event::Dropout { .. } | Event::Synchronisation => {
+                self.start_data(log)?;
+                self.output.write_all(item.bytes)?;
+            }
+            _ => self.output.write_all(item.bytes)?,
         }
+        Ok(())
     }
 
-    fn finish(mut self, log: &mut Log) -> Result<(Vec<TopicReport>, Problems), Error> {
-        let mut found = Vec::new();
-        log.finish(&mut |offset, problem| found.push((offset, problem)));
-        for (offset, problem) in found {
-            self.log_problem(offset, &problem);
-        }
-        self.start_data(log)?;
-        self.output.flush()?;
-        let topics = self.topics.into_iter().zip(self.subscribed);
-        let topics = topics.filter_map(|(topic, is_subscribed)| is_subscribed.then(|| topic.finish()));
-        Ok((topics.collect(), self.problems))
+    fn topic(&mut self, id: u16) -> Option<&mut Topic<'p>> {
+        let at = self.routes.get(usize::from(id)).copied().flatten()?;
+        self.topics.get_mut(at)
+    }
+
+    fn problems(&mut self) -> &mut Problems {
+        &mut self.problems
     }
 }
 
 impl Converted<'_> {
-    /// Converts a payload, and counts the losses. Like PX4, writes no padding at the end.
+    /// Converts a payload, and counts the losses.
     fn uorb(&self, payload: &[u8], losses: &mut [u64]) -> Result<Vec<u8>, String> {
         let message = self.source.decode_uorb(payload).map_err(|error| error.to_string())?;
-        let converted = self.message(&message, losses)?;
-        let mut payload = converted.to_uorb().map_err(|error| error.to_string())?;
-        if let Some(size) = converted.message_type().size() {
-            payload.truncate(size.no_padding);
-        }
-        Ok(payload)
+        log_payload(&self.message(&message, losses)?)
     }
 }
 
-/// True if a problem means that data is missing in the output, or may be misread.
-fn loses_data(problem: &Problem) -> bool {
-    let is_other = matches!(problem, Problem::NewerVersion(_) | Problem::FlagBitsNotFirst);
-    // Messages of unknown kinds are copied.
-    is_other || problem.extent() != Extent::Whole && !matches!(problem, Problem::UnknownKind(_))
+/// The payload of a message in a log. Like PX4, writes no padding at the end.
+pub(super) fn log_payload(message: &DynamicMessage<'_>) -> Result<Vec<u8>, String> {
+    let mut payload = message.to_uorb().map_err(|error| error.to_string())?;
+    if let Some(size) = message.message_type().size() {
+        payload.truncate(size.no_padding);
+    }
+    Ok(payload)
 }
 
 /// Writes a message.
-fn write(output: &mut impl Write, kind: u8, parts: &[&[u8]]) -> Result<(), Error> {
+pub(super) fn write(output: &mut impl Write, kind: u8, parts: &[&[u8]]) -> Result<(), Error> {
     let size: usize = parts.iter().map(|part| part.len()).sum();
     let size = u16::try_from(size).map_err(|_| io::Error::other("a message is longer than 65,535 bytes"))?;
     output.write_all(&size.to_le_bytes())?;

@@ -406,7 +406,7 @@ fn channels_without_their_schema_are_left_out() {
     let schema = file::schema(2, &long, "ros2msg", b"uint8 id\n");
     let records = [declarations(), schema.clone(), declare(6, 2), declare(7, 77), schema];
     for keeps_unconverted in [false, true] {
-        let settings = Settings { keeps_unconverted };
+        let settings = Settings { keeps_unconverted, ..Settings::default() };
         let (report, output) = converted(&file::file(&records.concat()), "px4@1.17", settings);
         let expected = [
             "schema 2: the name or the encoding is longer than 256 bytes",
@@ -475,7 +475,8 @@ fn messages_of_an_unknown_release_are_left_out() {
         assert_eq!(report.count(Action::LeftOut), 1, "{}", report.to_text());
         assert!(report.to_text().contains("specify it with --from"), "{}", report.to_text());
         assert_eq!(checked(&output).result.records, 0);
-        let (kept, _) = converted(&bytes, "px4@1.15", Settings { keeps_unconverted: true });
+        let (kept, _) =
+            converted(&bytes, "px4@1.15", Settings { keeps_unconverted: true, ..Settings::default() });
         assert_eq!(kept.count(Action::Copied), 1, "{}", kept.to_text());
         let named = try_converted(&bytes, release("px4@1.15"), "px4@1.15", Settings::default());
         let (report, output) = named.expect("a conversion");

@@ -230,7 +230,8 @@ fn formats_that_differ_from_all_releases_are_left_out() {
     );
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     assert!(!messages(&output, b"FA").iter().any(|message| text(message).contains("battery_status")));
-    let (report, output) = converted(&log.to_bytes(), "px4@1.16", Settings { keeps_unconverted: true });
+    let (report, output) =
+        converted(&log.to_bytes(), "px4@1.16", Settings { keeps_unconverted: true, ..Settings::default() });
     assert_eq!(report.count(Action::LeftOut), 0);
     assert!(messages(&output, b"F").iter().any(|message| text(message).contains("cells_of_the_club")));
     let found = checked(&output);

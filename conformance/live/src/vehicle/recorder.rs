@@ -8,13 +8,11 @@ use std::sync::Arc;
 
 use ::mcap::records::MessageHeader;
 use uavspec_capture::mcap::{
-    self, APPLICATION, CUT_SHORT, ENDPOINT, EVENT_METADATA, LOST, NOTE, OWN, Packing, UNREADABLE, Writer,
-    attachment_body, metadata_body,
+    self, APPLICATION, CUT_SHORT, ENDPOINT, LOST, NOTE, OWN, Packing, UNREADABLE, Writer, metadata_body,
 };
 use uavspec_check::{CaptureResult, HASH, LiveBag};
 use uavspec_model::ApplicationType;
 use uavspec_rules::definitions::EventMetadata;
-use uavspec_schema::event::is_compressed;
 
 use crate::bus::{Encoding, Event, Received, Schema, Topic};
 use crate::limits::MAX_CHANNELS;
@@ -40,11 +38,7 @@ impl Recorder<'_> {
     pub(super) fn create(path: &Path, events: &EventMetadata) -> io::Result<Self> {
         let mut writer = Writer::new(BufWriter::new(File::create(path)?), "ros2")?;
         if let Some(file) = events.file() {
-            let [json, xz] = EVENT_METADATA;
-            let (name, media_type) =
-                if is_compressed(file) { (xz, "application/x-xz") } else { (json, "application/json") };
-            let body = attachment_body(name, media_type, file);
-            writer.attachment(body.len() as u64, &mut &body[..])?;
+            writer.event_metadata(file)?;
         }
         writer.set_packing(Some(Packing::Lz4))?;
         let (channels, schemas) = (HashMap::new(), HashMap::new());

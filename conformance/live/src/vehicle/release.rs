@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use serde_json::Value;
-use uavspec_rules::definitions::{Definitions, Library, versioned};
+use uavspec_rules::definitions::{Definitions, Family, Library, versioned};
 use uavspec_rules::px4::{Sent, merge};
 use uavspec_runtime::cdr::ByteOrder;
 use uavspec_schema::fingerprint::ros_name;
@@ -25,7 +25,7 @@ impl Release {
     /// Chooses the release of a vehicle. If the definitions don't indicate it, chooses the newest release.
     pub(super) fn new(definitions: &Arc<Definitions>, library: &Library, namespace: Namespace) -> Self {
         let is_shown = !definitions.releases().is_empty() || !library.depends_on_capture();
-        let definitions = if is_shown { Arc::clone(definitions) } else { library.newest_px4() };
+        let definitions = if is_shown { Arc::clone(definitions) } else { library.newest(Family::Px4) };
         Self { definitions, namespace }
     }
 

@@ -20,7 +20,7 @@ use uavspec_live::vehicle::{Namespace, Options, probe, serve};
 use uavspec_model::clock::Clock;
 use uavspec_model::{ApplicationType, Findings};
 use uavspec_px4::event::EventOrigin;
-use uavspec_rules::definitions::{EventMetadata, Library};
+use uavspec_rules::definitions::{EventMetadata, Family, Library};
 use uavspec_rules::px4::{Bug, Needs, Px4Rule, RULES, Side};
 
 use super::Found;
@@ -169,7 +169,7 @@ impl Case {
         let is_component = self.role == Some(Side::Component);
         let options = Options {
             role: self.role,
-            application: is_component.then(|| ApplicationType::all(&library.newest_px4().schema)),
+            application: is_component.then(|| ApplicationType::all(&library.newest(Family::Px4).schema)),
             record: Some(record.to_path_buf()),
             ..Options::new(place.time)
         };

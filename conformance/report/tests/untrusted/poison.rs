@@ -6,7 +6,9 @@
 use std::collections::BTreeSet;
 use std::sync::OnceLock;
 
-use uavspec_check::convert::{Action as Treated, ConversionReport, Loss, TopicReport};
+use uavspec_check::convert::{
+    Action as Treated, ConversionReport, Format as ConversionFormat, Loss, TopicReport,
+};
 use uavspec_check::timeline::{Texts, Timeline};
 use uavspec_check::{
     BagChannel, BusEndpoint, BusTopic, ChannelResult, CheckStatus, Coverage, FlockwaveSummary, Format,
@@ -392,9 +394,12 @@ pub(super) fn conversion(text: &str) -> ConversionReport {
         uavspec: name(),
         capture: name(),
         from: vec![name()],
-        to: name(),
+        to: Some(name()),
+        from_format: ConversionFormat::Log,
+        to_format: ConversionFormat::Bag,
         topics: [Treated::Converted, Treated::Copied, Treated::LeftOut].map(topic).to_vec(),
         problems: vec![name()],
         more_problems: 1,
+        notes: vec![name()],
     }
 }

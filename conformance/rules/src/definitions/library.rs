@@ -159,10 +159,10 @@ impl Library {
         }
     }
 
-    /// The newest PX4 release whose content no longer changes.
-    pub fn newest_px4(&self) -> Arc<Definitions> {
+    /// The newest release of a family whose content no longer changes.
+    pub fn newest(&self, family: Family) -> Arc<Definitions> {
         let index = self.index();
-        let newest = index.releases_of(Family::Px4).filter(|release| !index.is_moving(*release)).last();
+        let newest = index.releases_of(family).filter(|release| !index.is_moving(*release)).last();
         let choice = newest.map(Choice::without_clues);
         choice.map_or_else(|| Arc::clone(self.base()), |choice| Arc::new(self.read(&[choice])))
     }

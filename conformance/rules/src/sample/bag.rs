@@ -1,19 +1,12 @@
 //! Flights as MCAP files in rosbag2 style: CDR messages with `ros2msg` schemas.
 
-use std::collections::BTreeSet;
-use std::fmt::Write as _;
-
 use uavspec_capture::MCAP_MAGIC;
 use uavspec_capture::mcap::{APPLICATION, ENDPOINT, metadata_body};
 use uavspec_model::{ApplicationType, Durability, Endpoint, EndpointKind, Qos};
 use uavspec_runtime::cdr::ByteOrder;
 use uavspec_schema::fingerprint::ros_name;
-use uavspec_schema::{Element, Message, MessageId, Schema, shape_text};
 
 use super::Flight;
-
-/// The separator line between the definitions in a schema.
-const SEPARATOR: &str = "================================================================================";
 
 /// An MCAP file without chunks.
 #[derive(Clone, Debug)]
@@ -50,7 +43,7 @@ impl Bag {
             BagChannel {
                 topic: format!("/fmu/out/{}", topic.name),
                 schema: ros_name(schema, message),
-                text: text_of(schema, topic.message),
+                text: flight.definitions.bag_text(topic.message),
                 hash: message.type_hash.clone(),
             }
         });
@@ -151,44 +144,4 @@ fn sized(bytes: &[u8]) -> Vec<u8> {
 
 fn text(text: &str) -> Vec<u8> {
     sized(text.as_bytes())
-}
-
-/// The ROS 2 definition of a message, followed by the nested definitions.
-fn text_of(schema: &Schema, root: MessageId) -> String {
-    let mut text = String::new();
-    let mut seen = BTreeSet::from([root.0]);
-    let mut waiting = vec![root];
-    while let Some(id) = waiting.pop() {
-        let message = schema.message(id);
-        if id != root {
-            let name = ros_name(schema, message).replace("/msg/", "/");
-            // Writing to a string can't fail.
-            let _ = write!(text, "{SEPARATOR}\nMSG: {name}\n");
-        }
-        text += &fields(schema, message);
-        for field in &message.fields {
-            if let Element::Message(nested) = field.ty.element
-                && seen.insert(nested.0)
-            {
-                waiting.push(nested);
-            }
-        }
-    }
-    text
-}
-
-fn fields(schema: &Schema, message: &Message) -> String {
-    let mut text = String::new();
-    for field in &message.fields {
-        let declared = field.ty.written();
-        let ty = match declared.element {
-            Element::Scalar(scalar) => scalar.name().to_owned(),
-            Element::Text(_) => "char".to_owned(),
-            Element::String { wide: false, .. } => "string".to_owned(),
-            Element::String { wide: true, .. } => "wstring".to_owned(),
-            Element::Message(id) => ros_name(schema, schema.message(id)).replace("/msg/", "/"),
-        };
-        let _ = writeln!(text, "{ty}{} {}", shape_text(declared.shape), field.name);
-    }
-    text
 }

@@ -11,7 +11,7 @@ const MAX_FORMAT: usize = u16::MAX as usize;
 
 /// The formats of the output.
 #[derive(Debug, Default)]
-pub(super) struct Formats {
+pub(in crate::convert) struct Formats {
     /// The fields of each format, by the name of the format.
     written: BTreeMap<String, String>,
     /// The names in the output of nested types that were copied, by their names in the log.
@@ -21,12 +21,12 @@ pub(super) struct Formats {
 }
 
 /// The formats of the log: their fields by name.
-pub(super) type LogFormats<'l> = BTreeMap<&'l str, &'l str>;
+pub(in crate::convert) type LogFormats<'l> = BTreeMap<&'l str, &'l str>;
 
 impl Formats {
     /// Adds the format of a converted topic, and the types that it contains. Fails if another format already has one of
     /// the names.
-    pub(super) fn convert(&mut self, topic: &str, ty: MessageType<'_>) -> Result<(), String> {
+    pub(in crate::convert) fn convert(&mut self, topic: &str, ty: MessageType<'_>) -> Result<(), String> {
         let nested = nested(ty).into_iter().map(|nested| (format_name(nested.name()), fields(nested)));
         let all: Vec<(String, String)> = nested.chain([(topic.to_owned(), fields(ty))]).collect();
         for (name, fields) in &all {
@@ -40,7 +40,7 @@ impl Formats {
 
     /// Adds the format of an unchanged topic, and the types that it contains. A nested type is renamed if the output
     /// has a different format with the same name. Fails if the topic has the name of another format.
-    pub(super) fn copy(&mut self, topic: &str, log: &LogFormats<'_>) -> Result<(), String> {
+    pub(in crate::convert) fn copy(&mut self, topic: &str, log: &LogFormats<'_>) -> Result<(), String> {
         let Some(fields) = log.get(topic) else { return Ok(()) };
         self.copy_types(fields, log);
         let fields = self.renamed(fields);
@@ -50,7 +50,7 @@ impl Formats {
     }
 
     /// The names and fields of the formats that were added since the previous call.
-    pub(super) fn take_new(&mut self) -> impl Iterator<Item = (&str, &str)> {
+    pub(in crate::convert) fn take_new(&mut self) -> impl Iterator<Item = (&str, &str)> {
         let new = std::mem::take(&mut self.new);
         let written = &self.written;
         new.into_iter()

@@ -259,18 +259,7 @@ pub(super) fn part(raw: &RawEvent, metadata: &EventMetadata, texts: &Texts) -> P
     if let Ok(event) = raw.decode(metadata.events()) {
         return Part::new(full_name(&event), texts.event(&event, metadata));
     }
-    let RawEvent { id, levels, .. } = *raw;
-    let arguments: Vec<String> = raw.used().iter().map(|byte| format!("{byte:02x}")).collect();
-    let arguments =
-        if arguments.is_empty() { String::new() } else { format!(", arguments {}", arguments.join(" ")) };
-    let name = format!(
-        "event {id} (component {}, number {}), log levels {} and {}{arguments}",
-        id >> 24,
-        id & 0x00ff_ffff,
-        levels >> 4,
-        levels & 0xf
-    );
-    Part::new(name, None)
+    Part::new(raw.undecoded(), None)
 }
 
 fn severity(level: Option<LogLevel>) -> Severity {
