@@ -138,9 +138,8 @@ pub(crate) const MAX_CONVERTED_SCHEMAS: usize = 64 << 20;
 /// file until it is complete.
 pub(crate) const MAX_ATTACHMENT: usize = 16 << 20;
 
-/// The maximum total size of the messages that wait for a decision, in bytes: JSON messages for a decision about their type,
-/// and messages of a log for the time in UTC. A JSON channel that exceeds the limit is copied. The messages of a log continue in
-/// a temporary file.
+/// The maximum total size of the JSON messages that wait for a decision about their type, in bytes. The channel that
+/// exceeds the limit is copied.
 pub(crate) const MAX_WAITING: usize = 16 << 20;
 
 /// The maximum number of topics of a converted log. A log has at most 8,192 formats, but hostile logs may subscribe to more
@@ -148,7 +147,13 @@ pub(crate) const MAX_WAITING: usize = 16 << 20;
 pub(crate) const MAX_LOG_TOPICS: usize = 10_000;
 
 /// The maximum number of parameters in a message of the output. PX4 has fewer than two thousand.
-pub(crate) const MAX_PARAMETERS: usize = 10_000;
+pub(crate) const MAX_PARAMETERS: usize = 5_000;
+
+/// The maximum size of a message with texts or parameters of ROS 2, in bytes. A message with [`MAX_PARAMETERS`] has half of it.
+pub(crate) const MAX_ROS_MESSAGE: usize = 1 << 20;
+
+/// The maximum size of data that waits in memory, in bytes. More data waits in a temporary file.
+pub(crate) const MAX_IN_MEMORY: usize = 4 << 20;
 
 /// The maximum total size of a log's information and default parameters, in bytes.
 pub(crate) const MAX_INFORMATION: usize = 4 << 20;

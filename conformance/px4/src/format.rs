@@ -1,5 +1,6 @@
 //! The formats of types in logs.
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use uavspec_dynamic::{Field, MessageType};
@@ -45,15 +46,19 @@ pub fn nested(ty: MessageType<'_>) -> Vec<MessageType<'_>> {
     found
 }
 
-/// The fields of a format in the language of `.msg` files, followed by its nested types, as bags store them. `package` is the
-/// ROS package of these types.
-pub fn bag_text(format: MessageType<'_>, package: &str) -> String {
+/// The definition of a format as bags store it: the text of a `.msg` file, followed by those of the nested types. `package` is
+/// the ROS package of these types. `None` if two nested types get the same name.
+pub fn bag_text(format: MessageType<'_>, package: &str) -> Option<String> {
     let mut text = declarations(format);
+    let mut names = BTreeSet::new();
     for nested in nested(format) {
         let name = message_name(nested.name());
+        if !names.insert(name.clone()) {
+            return None;
+        }
         let _ = write!(text, "{}\nMSG: {package}/{name}\n{}", "=".repeat(80), declarations(nested));
     }
-    text
+    Some(text)
 }
 
 /// The fields of a format, each on a line.

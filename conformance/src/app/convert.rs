@@ -41,9 +41,9 @@ must be converted separately.
 The output of a log contains the formats of the target release. Parameters, information and logged text stay the \
 same. Data that was appended after a crash directly follows the other data.
 
-If the name of OUT ends with .mcap or .ulg, a log becomes a bag, and a bag becomes a log. A bag has PX4's names of \
-topics, such as /fmu/out/battery_status1_v1, with the texts and events of a log on /rosout and its parameters on \
-/parameter_events. Its times are in UTC if the log contains the time of a satellite navigation receiver.
+If the name of OUT ends with .mcap or .ulg, a log becomes a bag, and a bag becomes a log. In a bag, topics have the \
+names that PX4 uses in ROS 2, such as /fmu/out/battery_status1_v1. Texts and events are on /rosout, and parameters on \
+/parameter_events. Times are in UTC if the log contains the time of a satellite navigation receiver.
 
 JSON messages must specify their type or their topic, as for `uavspec check`. Their other members stay the same, and \
 so do values that aren't messages. A value that spans several lines is written on one line.
@@ -55,9 +55,9 @@ output, and an existing file stays unchanged.
 Limits: a converted message may take up to 256 MiB in memory. The schemas and channels of a bag may take up to 64 MiB, \
 including the names of attachments and metadata records. The names of schemas and topics in a bag may have up to 256 \
 bytes. A JSON value may have up to 16 MiB. A log, or a file with JSON messages, may have up to 10,000 topics and \
-types. The information of a log may have up to 4 MiB. An attachment of more than 16 MiB is stored in the folder for \
-temporary files until it is complete, and so are messages of a log until a time in UTC is known, and the messages of \
-a bag that becomes a log. The index of an MCAP file is in memory until the end: about 0.6 MiB for each GiB of a bag with 235 topics.
+types. The information of a log may have up to 4 MiB. A temporary file stores an attachment of more than 16 MiB until \
+it is complete. It also stores more than 4 MiB of messages of a log until a time in UTC is known, and of a bag that \
+becomes a log. The index of an MCAP file is in memory until the end: about 0.6 MiB for each GiB of a bag with 235 topics.
 
 Exit status:
   0  success
@@ -78,7 +78,8 @@ pub(super) struct ConvertArgs {
     /// rosbridge). It may be compressed with gzip or zstd.
     #[arg(value_name = "IN")]
     input: PathBuf,
-    /// Release of the output, such as px4@1.16 [default for a new format: the messages keep their types].
+    /// Release of the output, such as px4@1.16. Required unless OUT has another format than IN [default: the messages
+    /// keep their types].
     #[arg(long, value_name = "RELEASE")]
     to: Option<String>,
     /// File to write. It replaces an existing file, but never the input.
@@ -132,8 +133,11 @@ pub(super) fn run(args: &ConvertArgs) -> Exit {
     let format = Format::of(&opened).map_err(|error| failed(args, error))?;
     let settings = Settings { format: format_of(&args.output), keeps_unconverted: args.keep_unconverted };
     if target.is_none() && settings.format.is_none_or(|wanted| wanted == format) {
-        let help = "set the release of the output, such as --to px4@1.16, or write another format, such as -o out.mcap";
-        return Err(Status::Usage.with_help(format!("IN and OUT are both {}", format.name()), help));
+        let other = if format == Format::Bag { "out.ulg" } else { "out.mcap" };
+        let help =
+            format!("add a release, such as `--to px4@1.16`, or choose another format with `-o {other}`");
+        let problem = format!("--to is required, because IN and OUT are both {}", format.name());
+        return Err(Status::Usage.with_help(problem, &help));
     }
     let plan = Plan::new(Arc::clone(&opened.definitions), &source, target.as_ref(), args.hints.as_deref());
     let plan = plan.map_err(usage)?;
@@ -191,7 +195,8 @@ fn status(report: &ConversionReport) -> Status {
         let help = "the output contains the readable messages";
         return Status::Incomplete.with_help("incomplete: some data of the input can't be read", help);
     }
-    if report.to.is_some() && report.count(Action::Converted) == 0 {
+    let copied = if report.to.is_some() { 0 } else { report.count(Action::Copied) };
+    if report.count(Action::Converted) + copied == 0 {
         let help = if report.from.is_empty() {
             "set the release of the input, such as --from px4@1.17"
         } else {

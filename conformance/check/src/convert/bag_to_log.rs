@@ -1,7 +1,7 @@
 //! Converts MCAP files with messages of PX4 to PX4 logs.
 
 use std::borrow::Cow;
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, BufWriter, Read, Seek as _, SeekFrom, Write};
 use std::sync::Arc;
 
@@ -9,35 +9,43 @@ use tempfile::SpooledTempFile;
 use uavspec_capture::ULOG_MAGIC;
 use uavspec_capture::input::UpToError;
 use uavspec_capture::mcap::{AttachmentHead, EVENT_METADATA, Event, Item, Reader, metadata};
-use uavspec_dynamic::MessageType;
+use uavspec_dynamic::{Field, MessageType};
+use uavspec_model::SubjectName;
 use uavspec_model::limits::MAX_NAME;
 use uavspec_model::text::start_of;
 use uavspec_px4::format::format_name;
+use uavspec_px4::memory::FieldCounts;
 use uavspec_rules::definitions::{PX4_ROS_PACKAGE, Stated, is_exchanged, plain_name, unversioned};
+use uavspec_runtime::Scalar;
 use uavspec_schema::limits::MAX_EVENTS_LEN;
+use uavspec_schema::{Element, Shape, Type};
 
 use super::information::{self, LogMessage};
-use super::mcap::{Declarations, Declared, another_file, names, treatment};
+use super::log_to_bag::{INSTANCE, TOPIC};
+use super::mcap::{Declarations, Declared, another_file, declared_again, names, treatment};
 use super::plan::{Converted, Converters, Plan, Treatment};
 use super::report::{Action, Problems, TopicReport};
-use super::ros::Ros;
+use super::ros::{Restored, Ros};
 use super::topic::Topic;
 use super::ulog::formats::Formats;
 use super::ulog::{MAX_MESSAGE, log_payload, write};
 use super::{Error, Settings};
-use crate::limits::{MAX_INFORMATION, MAX_WAITING};
+use crate::limits::{MAX_IN_MEMORY, MAX_INFORMATION, MAX_LOG_FIELDS};
 use crate::log::Metadata;
-use crate::{decompressed, definition_of, topic_of};
+use crate::{decompressed, definition_of, digest, topic_of};
 
 /// The version of the log format.
 const VERSION: u8 = 1;
+
+/// The maximum size of an attachment with event metadata, in bytes: the metadata and the head of the attachment.
+const MAX_ATTACHED_EVENTS: u64 = MAX_EVENTS_LEN as u64 + 256;
 
 /// The size of the flag bits, in bytes.
 const FLAG_BITS: usize = 40;
 
 /// The content of a channel.
 enum Content {
-    /// Messages of a topic. `None` if they have a defined type.
+    /// Messages of a topic, with the type that the schema states. `None` if a definition is used.
     Messages(Option<Arc<Stated>>),
     Texts,
     Parameters,
@@ -46,9 +54,21 @@ enum Content {
 struct Channel<'p> {
     topic: Topic<'p>,
     content: Content,
+    /// A hash of the declaration.
+    digest: u64,
     /// The id of the subscription.
     id: u16,
     /// The offset of the time in a message of the log.
+    timestamp: Option<usize>,
+}
+
+/// A topic of the log.
+struct Opened {
+    /// The id of the subscription.
+    id: u16,
+    /// The name with the instance.
+    name: String,
+    /// The offset of the time in a message.
     timestamp: Option<usize>,
 }
 
@@ -59,8 +79,8 @@ struct Stream<'p> {
     problems: Problems,
     converters: Converters<'p>,
     declarations: Declarations,
-    /// The types that the schemas state, by the id of the schema.
-    stated: HashMap<u16, Result<Arc<Stated>, String>>,
+    /// The number of fields in the types that schemas state.
+    fields: usize,
     /// The channels by id.
     channels: Vec<Option<Channel<'p>>>,
     /// The topics in the log, with their instances.
@@ -70,15 +90,19 @@ struct Stream<'p> {
     definitions: Vec<LogMessage>,
     /// The total size of these messages, in bytes.
     size: usize,
-    has_defaults: bool,
     /// The data section.
     data: BufWriter<SpooledTempFile>,
     /// True after the first message.
     is_in_data: bool,
     /// The start of the log, in µs of the vehicle's clock.
     start: Option<u64>,
-    /// The difference between UTC and the vehicle's clock, in µs.
-    utc_offset: Option<u64>,
+    /// The difference between the time of the bag and the vehicle's clock, in µs.
+    utc_offset: Option<i128>,
+    /// The texts that wait for this difference, with their channels, and their size in bytes.
+    early: Vec<(u16, Vec<u8>)>,
+    early_size: usize,
+    /// True if the bag has attachments or metadata records that a log can't contain.
+    has_other_parts: bool,
     /// The attachment with event metadata that is being read.
     metadata: Option<Vec<u8>>,
 }
@@ -100,17 +124,19 @@ pub(super) fn convert(
         problems: Problems::default(),
         converters: Converters::default(),
         declarations: Declarations::default(),
-        stated: HashMap::new(),
+        fields: 0,
         channels: Vec::new(),
         topics: BTreeSet::new(),
         formats: Formats::default(),
         definitions: Vec::new(),
         size: 0,
-        has_defaults: false,
-        data: BufWriter::new(SpooledTempFile::new(MAX_WAITING)),
+        data: BufWriter::new(SpooledTempFile::new(MAX_IN_MEMORY)),
         is_in_data: false,
         start: None,
         utc_offset: None,
+        early: Vec::new(),
+        early_size: 0,
+        has_other_parts: false,
         metadata: None,
     };
     let mut has_header = false;
@@ -135,13 +161,8 @@ impl<'p> Stream<'p> {
                 self.declarations.add_schema(id, (name, encoding), text)
             }
             Event::Channel { id, schema, topic, encoding, metadata } => {
-                let at = usize::from(id);
-                if self.channels.get(at).is_none_or(Option::is_none) {
-                    self.channels.resize_with(self.channels.len().max(at + 1), || None);
-                    let declared = Declared { id, schema, topic, encoding, metadata, digest: 0 };
-                    self.channels[at] = Some(self.channel(&declared)?);
-                }
-                None
+                let digest = digest(&(schema, &topic, &encoding, &metadata));
+                self.declare(&Declared { id, schema, topic, encoding, metadata, digest })?
             }
             Event::Message { channel, time, payload, .. } => self.message(channel, time / 1_000, payload)?,
             Event::Attachment { length, at, bytes } => {
@@ -149,11 +170,12 @@ impl<'p> Stream<'p> {
                 None
             }
             Event::Metadata { body } => {
-                if let Some((name, values)) = metadata(body) {
-                    let [start, utc_offset] = information::read_times(&name, &values);
-                    (self.start, self.utc_offset) = (start.or(self.start), utc_offset.or(self.utc_offset));
-                    self.define(information::messages(&name, &values));
-                }
+                let (name, values) = metadata(body).unwrap_or_default();
+                let [start, utc_offset] = information::read_times(&name, &values);
+                let utc_offset = utc_offset.map(i128::from);
+                (self.start, self.utc_offset) = (start.or(self.start), utc_offset.or(self.utc_offset));
+                self.has_other_parts |= !name.starts_with("ulog:");
+                self.define(information::messages(&name, &values));
                 None
             }
             Event::Problem(problem) => Some(problem.to_string()),
@@ -168,107 +190,147 @@ impl<'p> Stream<'p> {
     /// Adds messages to the definitions section.
     fn define(&mut self, messages: Vec<LogMessage>) {
         for (kind, payload) in messages {
-            self.size += payload.len();
+            let is_full = self.size > MAX_INFORMATION;
+            self.size = self.size.saturating_add(payload.len());
             if self.size > MAX_INFORMATION {
-                let limit = MAX_INFORMATION >> 20;
-                let problem = format!("the information and the parameters take more than {limit} MiB");
-                return self.problems.add(problem);
+                if !is_full {
+                    let limit = MAX_INFORMATION >> 20;
+                    let parts = "the information and the parameters";
+                    self.problems.add(format!("{parts} take more than {limit} MiB: the rest is left out"));
+                }
+                return;
             }
-            self.has_defaults |= kind == b'Q';
             self.definitions.push((kind, payload));
         }
     }
 
-    fn channel(&mut self, declared: &Declared) -> Result<Channel<'p>, Error> {
-        let Declared { schema, topic: name, encoding, metadata, .. } = declared;
-        let left_out = |reason: String| Channel {
-            topic: Topic::left_out(&start_of(name, MAX_NAME), reason),
+    /// Declares a channel. Returns the problem if there is one.
+    fn declare(&mut self, declared: &Declared) -> Result<Option<String>, Error> {
+        let Declared { id, schema, topic, encoding, metadata, digest } = declared;
+        let at = usize::from(*id);
+        if let Some(Some(known)) = self.channels.get(at) {
+            return Ok((known.digest != *digest).then(|| declared_again("channel", *id)));
+        }
+        self.channels.resize_with(self.channels.len().max(at + 1), || None);
+        let refusal = self.declarations.refusal(*schema, topic, encoding, metadata);
+        let channel = match &refusal {
+            Some(reason) => Err(reason.clone()),
+            None => self.channel(declared)?,
+        };
+        self.channels[at] = Some(channel.unwrap_or_else(|reason| Channel {
+            topic: Topic::left_out(&start_of(topic, MAX_NAME), reason),
             content: Content::Messages(None),
+            digest: *digest,
+            id: 0,
+            timestamp: None,
+        }));
+        Ok(refusal.map(|reason| format!("channel {id}: {reason}")))
+    }
+
+    /// Opens a channel. The inner error is the reason why it is left out.
+    fn channel(&mut self, declared: &Declared) -> Result<Result<Channel<'p>, String>, Error> {
+        let Declared { schema, topic: name, encoding, digest, .. } = declared;
+        if encoding != "cdr" {
+            return Ok(Err(format!("expected CDR messages, found `{}`", encoding.escape_debug())));
+        }
+        let stored = self.declarations.schema(*schema);
+        let Some(ty) = stored.map(|(name, _, _)| plain_name(name)) else {
+            return Ok(Err("it has no schema".to_owned()));
+        };
+        let mut channel = Channel {
+            topic: Topic::new(name, (None, Treatment::Copy), self.plan, self.settings),
+            content: Content::Messages(None),
+            digest: *digest,
             id: 0,
             timestamp: None,
         };
-        if let Some(reason) = self.declarations.refusal(*schema, name, encoding, metadata) {
-            return Ok(left_out(reason));
-        }
-        if encoding != "cdr" {
-            return Ok(left_out("its messages aren't CDR".to_owned()));
-        }
-        let stored = self.declarations.schema(*schema);
-        let ty = stored.map(|(name, _, _)| plain_name(name)).unwrap_or_default();
         let of_ros = [Content::Texts, Content::Parameters].into_iter().zip(self.ros.channels());
         if let Some((content, (_, known, _))) = of_ros.into_iter().find(|(_, (_, known, _))| known.name == ty)
         {
             if self.stated(*schema, &ty).is_ok_and(|stated| stated.type_hash != known.hash) {
-                return Ok(left_out("its type differs from the definition of ROS 2".to_owned()));
+                return Ok(Err(format!("its fields differ from {ty}")));
             }
-            let mut topic = Topic::new(name, (None, Treatment::Copy), self.plan, self.settings);
-            topic.report.action = Action::Converted;
-            return Ok(Channel { topic, content, id: 0, timestamp: None });
+            channel.content = content;
+            return Ok(Ok(channel));
         }
         let definition = definition_of(name, stored.map(names), self.plan.source());
         let treatment = treatment(self.plan, declared, stored, definition, &mut self.converters);
-        let mut topic = Topic::new(name, treatment, self.plan, self.settings);
-        let mut stated = None;
-        if topic.report.action == Action::Copied {
-            if !ty.starts_with(&format!("{PX4_ROS_PACKAGE}/msg/")) {
-                return Ok(left_out("it isn't a topic of PX4".to_owned()));
-            }
+        channel.topic = Topic::new(name, treatment, self.plan, self.settings);
+        if channel.topic.report.action == Action::LeftOut {
+            return Ok(Ok(channel));
+        }
+        let converted = channel.topic.converted.clone();
+        let opened = if let Some(converted) = converted {
+            self.subscribe(&channel.topic, declared, converted.converter.target())?
+        } else if ty.starts_with(&format!("{PX4_ROS_PACKAGE}/msg/")) {
             match self.stated(*schema, &ty) {
-                Ok(found) => stated = Some(found),
-                Err(reason) => return Ok(left_out(format!("its schema can't be used: {reason}"))),
+                Ok(stated) => {
+                    let opened = self.subscribe(&channel.topic, declared, stated.root())?;
+                    channel.content = Content::Messages(Some(stated));
+                    opened
+                }
+                Err(reason) => Err(format!("its schema can't be used: {reason}")),
             }
-        }
-        let target = topic.converted.as_deref().map(|converted| converted.converter.target());
-        let target = target.or_else(|| stated.as_deref().map(Stated::root));
-        let opened = target.map(|target| self.subscribe(topic.output_name(), target)).transpose()?;
-        let (mut id, mut timestamp) = (0, None);
-        match opened {
-            Some(Ok(opened)) => {
-                timestamp = target.and_then(|target| target.field("timestamp")).map(|field| field.offset);
-                topic.report.renamed = Some(opened.1);
-                id = opened.0;
-            }
-            Some(Err(reason)) => topic.leave_out(reason),
-            None => {}
-        }
-        Ok(Channel { topic, content: Content::Messages(stated), id, timestamp })
+        } else {
+            Err("its type isn't in px4_msgs".to_owned())
+        };
+        Ok(opened.map(|opened| {
+            (channel.id, channel.timestamp) = (opened.id, opened.timestamp);
+            channel.topic.report.renamed = Some(opened.name);
+            channel
+        }))
     }
 
-    /// The type that a schema states.
+    /// The type that a schema states. Fails if the types of all channels have too many fields.
     fn stated(&mut self, schema: u16, ty: &str) -> Result<Arc<Stated>, String> {
         let text = self.declarations.schema(schema).map_or(&[][..], |(_, _, text)| text);
-        let read = || self.plan.source().shared.stated(ty, text);
-        self.stated.entry(schema).or_insert_with(read).clone()
+        let too_many = || format!("the types of the bag have more than {MAX_LOG_FIELDS} fields");
+        if self.fields > MAX_LOG_FIELDS {
+            return Err(too_many());
+        }
+        let stated = self.plan.source().shared.stated(ty, text)?;
+        self.fields = self.fields.saturating_add(FieldCounts::default().of(stated.root()).max(1));
+        if self.fields > MAX_LOG_FIELDS { Err(too_many()) } else { Ok(stated) }
     }
 
-    /// Subscribes a topic. Returns the id and the name of the topic in the log, or the reason why the log can't contain it.
+    /// Subscribes a topic. The inner error is the reason why the log can't contain it.
     fn subscribe(
         &mut self,
-        topic: &str,
+        topic: &Topic<'_>,
+        declared: &Declared,
         ty: MessageType<'_>,
-    ) -> Result<Result<(u16, String), String>, Error> {
-        if ty.size().is_none_or(|size| size.padded > MAX_MESSAGE) {
+    ) -> Result<Result<Opened, String>, Error> {
+        let Some(size) = ty.size() else {
+            return Ok(Err("the size of its messages varies".to_owned()));
+        };
+        if size.padded > MAX_MESSAGE {
             return Ok(Err("its messages don't fit into a log".to_owned()));
         }
-        let (name, first) = logged_topic(topic, &self.topics_of(ty));
+        let (name, first) = stated_topic(topic.output_name(), &declared.metadata)
+            .unwrap_or_else(|| logged_topic(topic.output_name(), &self.topics_of(ty)));
+        let is_valid = |letter: char| letter.is_ascii_alphanumeric() || letter == '_' || letter == '-';
+        if name.is_empty() || !name.chars().all(is_valid) {
+            return Ok(Err(format!("a log can't have a topic `{}`", name.escape_debug())));
+        }
         let mut instances = first..=u8::MAX;
         let free = instances.find(|instance| !self.topics.contains(&(name.clone(), *instance)));
-        let Some(instance) = free else {
-            return Ok(Err(format!("the log has 256 instances of `{name}`")));
-        };
-        let Ok(id) = u16::try_from(self.topics.len()) else {
-            return Ok(Err("the log has 65,536 topics".to_owned()));
+        let (Some(instance), Ok(id)) = (free, u16::try_from(self.topics.len())) else {
+            return Ok(Err(format!("the log has no room for another instance of `{name}`")));
         };
         if let Err(reason) = self.formats.convert(&name, ty) {
             return Ok(Err(reason));
         }
         write(&mut self.data, b'A', &[&[instance], &id.to_le_bytes(), name.as_bytes()])?;
         self.topics.insert((name.clone(), instance));
-        let shown = if instance == 0 { name } else { format!("{name} (instance {instance})") };
-        Ok(Ok((id, shown)))
+        let is_time = |field: &&Field| {
+            field.ty() == Type { element: Element::Scalar(Scalar::UInt64), shape: Shape::Single }
+        };
+        let timestamp = ty.field("timestamp").filter(is_time).map(|field| field.offset);
+        let subject = SubjectName { name: &name, instance: (instance > 0).then_some(instance) };
+        Ok(Ok(Opened { id, name: subject.to_string(), timestamp }))
     }
 
-    /// The topics of a type, or the default topic of a type without a definition.
+    /// The topics of a type. A type without a definition has its default topic.
     fn topics_of(&self, ty: MessageType<'_>) -> Vec<String> {
         let target = self.plan.target();
         let defined = target.message_of_type(&format!("{PX4_ROS_PACKAGE}/msg/{}", ty.name()));
@@ -277,51 +339,65 @@ impl<'p> Stream<'p> {
     }
 
     /// Writes a message. `time` is the log time in µs. Returns the problem if the channel is unknown.
-    fn message(&mut self, channel: u16, time: u64, payload: &[u8]) -> Result<Option<String>, Error> {
-        let Some(Some(Channel { topic, content, id, timestamp })) =
-            self.channels.get_mut(usize::from(channel))
-        else {
-            return Ok(Some(format!(
-                "a message refers to channel {channel}, which hasn't been declared yet"
-            )));
+    fn message(&mut self, id: u16, time: u64, payload: &[u8]) -> Result<Option<String>, Error> {
+        let Some(Some(channel)) = self.channels.get_mut(usize::from(id)) else {
+            return Ok(Some(format!("a message refers to channel {id}, which hasn't been declared yet")));
         };
-        topic.report.messages += 1;
-        if topic.report.action == Action::LeftOut {
+        if self.utc_offset.is_none()
+            && matches!(channel.content, Content::Texts)
+            && self.early_size + payload.len() <= MAX_IN_MEMORY
+        {
+            self.early_size += payload.len();
+            self.early.push((id, payload.to_vec()));
             return Ok(None);
         }
-        let is_in_data = self.is_in_data;
-        let read = match content {
-            Content::Messages(stated) => {
-                let converted = match stated {
-                    None => topic.convert(|converted, losses| converted.log_of_cdr(payload, losses)),
-                    Some(stated) => {
-                        let converted = log_of_stated(stated, payload);
-                        converted.map_err(|error| topic.unreadable(error)).ok()
-                    }
-                };
-                if let Some(payload) = converted {
+        channel.topic.report.messages += 1;
+        if channel.topic.report.action == Action::LeftOut {
+            return Ok(None);
+        }
+        let restored = match channel.content {
+            Content::Messages(_) => {
+                if let Some(payload) = channel.record(payload) {
+                    let (id, timestamp) = (channel.id, channel.timestamp);
                     let bytes = timestamp.and_then(|at| payload.get(at..)?.first_chunk());
-                    let own = bytes.map_or(time, |bytes| u64::from_le_bytes(*bytes));
-                    self.is_in_data = true;
-                    self.start.get_or_insert(own);
-                    self.utc_offset.get_or_insert(time.saturating_sub(own));
+                    let own = bytes.map(|bytes| u64::from_le_bytes(*bytes)).filter(|own| *own > 0);
+                    if let Some(own) = own {
+                        self.start.get_or_insert(own);
+                        self.utc_offset.get_or_insert(i128::from(time) - i128::from(own));
+                        self.write_early()?;
+                    }
                     write(&mut self.data, b'D', &[&id.to_le_bytes(), &payload])?;
+                    self.is_in_data = true;
                 }
                 return Ok(None);
             }
             Content::Texts => self.ros.log_of_text(payload, self.utc_offset.unwrap_or(0)),
             Content::Parameters => self.ros.log_of_parameters(payload),
         };
-        match read {
-            Ok(messages) if matches!(content, Content::Parameters) && !is_in_data => self.define(messages),
-            Ok(messages) => {
-                for (kind, payload) in messages {
+        match restored {
+            Ok(Restored { mut initial, mut later, left_out }) => {
+                if let Some(parts) = left_out {
+                    channel.topic.report.reason.get_or_insert_with(|| format!("{parts} are left out"));
+                }
+                if self.is_in_data {
+                    later.splice(0..0, std::mem::take(&mut initial));
+                }
+                self.define(initial);
+                for (kind, payload) in later {
                     write(&mut self.data, kind, &[&payload])?;
                 }
             }
-            Err(error) => topic.unreadable(error),
+            Err(error) => channel.topic.unreadable(error),
         }
         Ok(None)
+    }
+
+    /// Writes the texts that precede the first message with a time.
+    fn write_early(&mut self) -> Result<(), Error> {
+        for (id, payload) in std::mem::take(&mut self.early) {
+            self.message(id, 0, &payload)?;
+        }
+        Ok(())
     }
 
     /// Reads an attachment with event metadata.
@@ -329,7 +405,9 @@ impl<'p> Stream<'p> {
         if at == 0 {
             let head = AttachmentHead::read(bytes);
             let is_metadata = head.is_some_and(|head| EVENT_METADATA.iter().any(|name| head.is_named(name)));
-            self.metadata = (is_metadata && length <= MAX_EVENTS_LEN as u64).then(Vec::new);
+            let is_used = is_metadata && length <= MAX_ATTACHED_EVENTS;
+            self.has_other_parts |= !is_used;
+            self.metadata = is_used.then(Vec::new);
         }
         let Some(body) = &mut self.metadata else { return };
         body.extend_from_slice(bytes);
@@ -344,12 +422,17 @@ impl<'p> Stream<'p> {
 
     /// Writes the log.
     fn finish(mut self, output: &mut dyn Write) -> Result<(Vec<TopicReport>, Problems), Error> {
+        self.utc_offset.get_or_insert(0);
+        self.write_early()?;
+        if self.has_other_parts {
+            self.problems.note("other attachments and metadata records are left out");
+        }
         let mut output = BufWriter::new(output);
         output.write_all(&ULOG_MAGIC)?;
         output.write_all(&[VERSION])?;
         output.write_all(&self.start.unwrap_or(0).to_le_bytes())?;
         let mut flags = [0; FLAG_BITS];
-        flags[0] = u8::from(self.has_defaults);
+        flags[0] = u8::from(self.definitions.iter().any(|(kind, _)| *kind == b'Q'));
         write(&mut output, b'B', &[&flags])?;
         for (name, fields) in self.formats.take_new() {
             write(&mut output, b'F', &[name.as_bytes(), b":", fields.as_bytes()])?;
@@ -367,7 +450,15 @@ impl<'p> Stream<'p> {
     }
 }
 
-/// The topic in a log for a topic of ROS 2, and its instance. `known` contains the topics of its type. PX4 appends the
+/// The topic in a log and its instance, as the metadata of a channel states them. `None` if the channel was renamed.
+fn stated_topic(topic: &str, metadata: &BTreeMap<String, String>) -> Option<(String, u8)> {
+    let (name, instance) = (metadata.get(TOPIC)?, metadata.get(INSTANCE)?.parse().ok()?);
+    is_exchanged(topic).then_some(())?;
+    topic_of(topic).starts_with(name.as_str()).then(|| (name.clone(), instance))
+}
+
+/// The topic in a log for a topic of ROS 2, and its instance. A topic outside of PX4's folders gets the first topic of its type.
+/// `known` contains the topics of its type. PX4 appends the
 /// instance to the name, and then the version of the message.
 fn logged_topic(topic: &str, known: &[String]) -> (String, u8) {
     let last = topic_of(topic);
@@ -380,6 +471,19 @@ fn logged_topic(topic: &str, known: &[String]) -> (String, u8) {
         (Some((base, instance)), _) => (base.to_owned(), instance),
         (None, Some(first)) if !is_known(name) && !is_exchanged(topic) => (first.clone(), 0),
         _ => (name.to_owned(), 0),
+    }
+}
+
+impl Channel<'_> {
+    /// Converts a message of a topic. `None` if it is unreadable.
+    fn record(&mut self, payload: &[u8]) -> Option<Vec<u8>> {
+        match &self.content {
+            Content::Messages(Some(stated)) => {
+                let converted = log_of_stated(stated, payload);
+                converted.map_err(|error| self.topic.unreadable(error)).ok()
+            }
+            _ => self.topic.convert(|converted, losses| converted.log_of_cdr(payload, losses)),
+        }
     }
 }
 

@@ -1,4 +1,4 @@
-//! The parts of a log that aren't messages, as metadata of an MCAP file.
+//! The information and the default parameters of a log, as metadata of an MCAP file.
 
 use std::collections::BTreeMap;
 
@@ -28,9 +28,9 @@ pub(super) type LogMessage = (u8, Vec<u8>);
 /// A metadata record: its name and its values.
 pub(super) type Metadata = (&'static str, BTreeMap<String, String>);
 
-/// The record with the start of a log, and the difference between UTC and the vehicle's clock if it is known.
-pub(super) fn times(start: Option<u64>, utc_offset: Option<u64>) -> Metadata {
-    let times = [(START, start), (UTC_OFFSET, utc_offset)];
+/// The record with the start of a log, and the difference between UTC and the vehicle's clock; 0 if it is unknown.
+pub(super) fn times(start: Option<u64>, utc_offset: u64) -> Metadata {
+    let times = [(START, start), (UTC_OFFSET, Some(utc_offset))];
     let times = times.into_iter().filter_map(|(key, time)| Some((key.to_owned(), time?.to_string())));
     (TIME, times.collect())
 }
@@ -40,7 +40,7 @@ pub(super) fn read_times(name: &str, values: &BTreeMap<String, String>) -> [Opti
     [START, UTC_OFFSET].map(|key| values.get(key).filter(|_| name == TIME)?.parse().ok())
 }
 
-/// The messages of a log for a record. Values that no log contains are left out.
+/// Restores the messages of a log from a record. Leaves out invalid values.
 pub(super) fn messages(name: &str, values: &BTreeMap<String, String>) -> Vec<LogMessage> {
     if let Some(bit) = DEFAULTS.iter().position(|known| *known == name) {
         return values.iter().filter_map(|(name, value)| default(bit, name, value)).collect();
@@ -69,14 +69,26 @@ fn one(((ty, key), value): ((&str, &str), &String)) -> Vec<LogMessage> {
     values.flat_map(|value| pieces(element, key, &value)).collect()
 }
 
-/// The messages for one of several values of a key. `element` is the type of its elements, which have one byte.
+/// The messages for one of several values of a key. `element` is the type of its elements.
 pub(super) fn pieces(element: &str, key: &str, value: &[u8]) -> Vec<LogMessage> {
+    let size = size_of(element).unwrap_or(1);
     let piece = |(at, piece): (usize, &[u8])| {
         let mut payload = vec![u8::from(at > 0)];
-        payload.extend(keyed(&format!("{element}[{}]", piece.len()), key, piece)?);
+        payload.extend(keyed(&format!("{element}[{}]", piece.len() / size), key, piece)?);
         Some((b'M', payload))
     };
     value.chunks(PIECE).enumerate().filter_map(piece).collect()
+}
+
+/// The size of a number, in bytes.
+fn size_of(ty: &str) -> Option<usize> {
+    Some(match ty {
+        "uint8_t" | "int8_t" => 1,
+        "uint16_t" | "int16_t" => 2,
+        "uint32_t" | "int32_t" | "float" => 4,
+        "uint64_t" | "int64_t" | "double" => 8,
+        _ => return None,
+    })
 }
 
 /// The type of a value of `size` bytes. The length of a text may have changed.
@@ -93,26 +105,24 @@ pub(super) fn keyed(ty: &str, key: &str, value: &[u8]) -> Option<Vec<u8>> {
     Some(payload)
 }
 
-/// The bytes of a value. `None` if the text isn't a value of this type, or if it is empty.
+/// Parses a value. `None` if it is invalid or empty.
 fn bytes(ty: &str, text: &str) -> Option<Vec<u8>> {
     if ty.starts_with("char[") {
         return Some(text.as_bytes().to_vec()).filter(|text| !text.is_empty());
     }
-    let integer = |size: usize| {
-        let value: i128 = text.parse().ok()?;
-        Some(value.to_le_bytes().get(..size)?.to_vec())
-    };
-    match ty {
-        "float" => Some(text.parse::<f32>().ok()?.to_le_bytes().to_vec()),
-        "double" => Some(text.parse::<f64>().ok()?.to_le_bytes().to_vec()),
-        "uint8_t" | "int8_t" => integer(1),
-        "uint16_t" | "int16_t" => integer(2),
-        "uint32_t" | "int32_t" => integer(4),
-        "uint64_t" | "int64_t" => integer(8),
+    match (ty, size_of(ty)) {
+        ("float", _) => Some(text.parse::<f32>().ok()?.to_le_bytes().to_vec()),
+        ("double", _) => Some(text.parse::<f64>().ok()?.to_le_bytes().to_vec()),
+        (_, Some(size)) => {
+            let value = text.parse::<i128>().ok()?.to_le_bytes();
+            let bytes = value[..size].to_vec();
+            // A number that is too large has another text.
+            (number(ty, &bytes)? == text).then_some(bytes)
+        }
         _ => {
-            let pairs =
-                text.as_bytes().chunks(2).map(|pair| u8::from_str_radix(str::from_utf8(pair).ok()?, 16).ok());
-            pairs.collect::<Option<Vec<u8>>>().filter(|bytes| !bytes.is_empty())
+            let digits = |pair| u8::from_str_radix(str::from_utf8(pair).ok()?, 16).ok();
+            let bytes: Option<Vec<u8>> = text.as_bytes().chunks(2).map(digits).collect();
+            bytes.filter(|bytes| !bytes.is_empty())
         }
     }
 }
@@ -201,20 +211,19 @@ fn text(ty: &str, value: &[u8]) -> String {
     number(ty, value).unwrap_or_else(|| value.iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
-/// A number as text.
+/// A number as text. `None` if the value has another size.
 fn number(ty: &str, value: &[u8]) -> Option<String> {
-    let integer = |is_signed: bool| {
-        let mut bytes = [0; 16];
-        bytes.get_mut(..value.len())?.copy_from_slice(value);
-        let shift = 128 - 8 * u32::try_from(value.len()).ok()?;
-        let bits = i128::from_le_bytes(bytes);
-        Some(if is_signed { (bits << shift) >> shift } else { bits }.to_string())
-    };
-    match ty {
-        "float" => Some(format!("{:?}", f32::from_le_bytes(value.try_into().ok()?))),
-        "double" => Some(format!("{:?}", f64::from_le_bytes(value.try_into().ok()?))),
-        "uint8_t" | "uint16_t" | "uint32_t" | "uint64_t" => integer(false),
-        "int8_t" | "int16_t" | "int32_t" | "int64_t" => integer(true),
-        _ => None,
+    if size_of(ty)? != value.len() {
+        return None;
     }
+    let mut bytes = [0; 16];
+    bytes[..value.len()].copy_from_slice(value);
+    let bits = i128::from_le_bytes(bytes);
+    let shift = 128 - 8 * value.len();
+    Some(match ty {
+        "float" => format!("{:?}", f32::from_le_bytes(value.try_into().ok()?)),
+        "double" => format!("{:?}", f64::from_le_bytes(value.try_into().ok()?)),
+        _ if ty.starts_with('u') => bits.to_string(),
+        _ => ((bits << shift) >> shift).to_string(),
+    })
 }

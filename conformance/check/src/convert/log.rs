@@ -16,19 +16,19 @@ use super::topic::Topic;
 
 /// Receives the parts of a log.
 pub(super) trait Sink<'p> {
-    /// True if messages of unknown kinds are copied.
-    const COPIES_UNKNOWN_KINDS: bool;
+    /// True if the bytes of all other parts are copied, even if their content is unknown or invalid.
+    const COPIES_BYTES: bool;
 
     /// Receives a message of a topic.
     fn record(&mut self, record: &Record<'_>, bytes: &[u8]) -> Result<(), Error>;
 
-    /// Receives another part, after `log` has.
+    /// Receives another part, which `log` has already processed.
     fn part(&mut self, item: &Item<'_>, log: &Log) -> Result<(), Error>;
 
-    /// The topic of an id.
+    /// The topic that the id of a subscription denotes.
     fn topic(&mut self, id: u16) -> Option<&mut Topic<'p>>;
 
-    /// The parts that can't be read.
+    /// The problems so far.
     fn problems(&mut self) -> &mut Problems;
 }
 
@@ -61,9 +61,8 @@ fn take<'p, S: Sink<'p>>(item: &Item<'_>, log: &mut Log, sink: &mut S) -> Result
         report(offset, &problem, sink);
     }
     match &item.event {
-        Event::Problem(Problem::UnknownKind(_)) if S::COPIES_UNKNOWN_KINDS => {}
         Event::Problem(problem) => {
-            if loses_data(problem) {
+            if loses_data(problem, S::COPIES_BYTES) {
                 sink.problems().add(format!("byte {}: {problem}", item.offset));
             }
         }
@@ -74,10 +73,15 @@ fn take<'p, S: Sink<'p>>(item: &Item<'_>, log: &mut Log, sink: &mut S) -> Result
     Ok(())
 }
 
-/// True if a problem means that data is missing in the output, or may be misread.
-fn loses_data(problem: &Problem) -> bool {
-    let is_other = matches!(problem, Problem::NewerVersion(_) | Problem::FlagBitsNotFirst);
-    is_other || problem.extent() != Extent::Whole
+/// True if a problem means that data is missing in the output, or may be misread. `is_copied` is true if the bytes of messages
+/// are copied.
+fn loses_data(problem: &Problem, is_copied: bool) -> bool {
+    match problem {
+        Problem::NewerVersion(_) | Problem::FlagBitsNotFirst => true,
+        Problem::UnknownKind(_) => !is_copied,
+        _ if is_copied => problem.extent() != Extent::Whole,
+        _ => !problem.is_harmless(),
+    }
 }
 
 /// Counts data that can't be read, and reports formats that can't be used.

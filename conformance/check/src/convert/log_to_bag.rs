@@ -2,7 +2,7 @@
 
 mod timed;
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{HashMap, HashSet};
 use std::io::{Read, Write};
 use std::sync::Arc;
 
@@ -27,14 +27,18 @@ use crate::HASH;
 use crate::limits::{MAX_CONVERTED_SCHEMAS, MAX_LOG_TOPICS, MAX_PARAMETERS};
 use crate::log::Metadata;
 
+/// The metadata keys of a channel for the topic in the log, and for its instance.
+pub(super) const TOPIC: &str = "ulog:topic";
+pub(super) const INSTANCE: &str = "ulog:instance";
+
 /// The topic with PX4's events.
 const EVENT: &str = "event";
 
-/// A topic of the log, which is a channel of the output from its first message on.
+/// A topic of the log. Its first message declares the channel in the output.
 struct Channel<'p> {
     topic: Topic<'p>,
     id: u16,
-    /// The facts that the first message shows.
+    /// Known from the first message on.
     opened: Option<Opened>,
 }
 
@@ -62,6 +66,8 @@ struct Stream<'p, 'o> {
     problems: Problems,
     converters: Converters<'p>,
     channels: Vec<Channel<'p>>,
+    /// The topics in the output.
+    names: HashSet<String>,
     /// The channels by the topic and its instance.
     by_name: HashMap<(String, u8), usize>,
     /// The channels by the id of their subscription.
@@ -70,7 +76,7 @@ struct Stream<'p, 'o> {
     schemas: HashMap<(String, String), u16>,
     /// The total size of the schemas of all topics, in bytes.
     size: usize,
-    /// The time of the latest message, in µs of the vehicle's clock.
+    /// The time of the previous message, in µs of the vehicle's clock.
     time: u64,
     information: Information,
     /// The log's event metadata. `None` after the definitions.
@@ -101,6 +107,7 @@ pub(super) fn convert(
         problems: Problems::default(),
         converters: Converters::default(),
         channels: Vec::new(),
+        names: HashSet::new(),
         by_name: HashMap::new(),
         routes: Vec::new(),
         schemas: HashMap::new(),
@@ -121,7 +128,7 @@ pub(super) fn convert(
 impl<'p> Stream<'p, '_> {
     /// Returns the id of a schema in the output. Writes the schema if necessary. `None` if the schemas take too much space.
     fn schema(&mut self, name: String, text: String) -> Result<Option<u16>, Error> {
-        // Reading a repeated schema takes time as well.
+        // Repeated schemas count, because each is parsed.
         self.size = self.size.saturating_add(name.len() + text.len());
         if self.is_full() {
             return Ok(None);
@@ -142,8 +149,13 @@ impl<'p> Stream<'p, '_> {
         self.size > MAX_CONVERTED_SCHEMAS
     }
 
-    fn channel(&mut self, (id, schema): (u16, u16), topic: &str, hash: &str) -> Result<(), Error> {
-        let metadata = BTreeMap::from([(HASH.to_owned(), hash.to_owned())]);
+    fn channel<const COUNT: usize>(
+        &mut self,
+        (id, schema): (u16, u16),
+        topic: &str,
+        metadata: [(&str, String); COUNT],
+    ) -> Result<(), Error> {
+        let metadata = metadata.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
         Ok(self.output.output.channel((id, schema), (topic, "cdr"), &metadata)?)
     }
 
@@ -188,7 +200,7 @@ impl<'p> Stream<'p, '_> {
         if self.counts[at] == 0 {
             let (id, ty, topic) = self.ros.channels()[at];
             let schema = self.schema(ty.name.to_owned(), ty.text.clone())?.unwrap_or_default();
-            self.channel((id, schema), topic, &ty.hash)?;
+            self.channel((id, schema), topic, [(HASH, ty.hash.clone())])?;
         }
         self.counts[at] += 1;
         Ok(self.output.message(Place { channel, is_stamped: true, time }, payload)?)
@@ -259,10 +271,18 @@ impl<'p> Stream<'p, '_> {
             return Ok(());
         };
         // PX4 appends the instance, and then the version of the message.
-        let instance = Some(record.subscription.multi_id).filter(|instance| *instance > 0);
-        let instance = instance.map(|instance| instance.to_string()).unwrap_or_default();
-        let renamed = versioned(&format!("{FROM_PX4}{}{instance}", topic.output_name()), ty.version);
-        self.channel((self.channels[at].id, schema), &renamed, &ty.hash)?;
+        let instance = record.subscription.multi_id;
+        let shown = Some(instance).filter(|instance| *instance > 0).map(|instance| instance.to_string());
+        let base = format!("{FROM_PX4}{}{}", topic.output_name(), shown.unwrap_or_default());
+        // Instance 1 of `foo` has the name of the topic `foo1`.
+        let names =
+            (1_u32..).map(|number| if number == 1 { base.clone() } else { format!("{base}_{number}") });
+        let mut names = names.map(|name| versioned(&name, ty.version));
+        let Some(renamed) = names.find(|name| !self.names.contains(name)) else { return Ok(()) };
+        let metadata =
+            [(HASH, ty.hash), (TOPIC, topic.output_name().to_owned()), (INSTANCE, instance.to_string())];
+        self.channel((self.channels[at].id, schema), &renamed, metadata)?;
+        self.names.insert(renamed.clone());
         topic.report.renamed = Some(renamed);
         Ok(())
     }
@@ -281,6 +301,7 @@ impl<'p> Stream<'p, '_> {
         let message = message.unwrap_or_else(|| message_name(format.name()));
         let name = format!("{PX4_ROS_PACKAGE}/msg/{message}");
         let text = bag_text(format, PX4_ROS_PACKAGE);
+        let text = text.ok_or("two of its nested types have the same name")?;
         let hash = definitions.shared.stated(&name, text.as_bytes())?.type_hash.clone();
         Ok(Type { name, text, hash, version: None })
     }
@@ -297,7 +318,7 @@ impl<'p> Stream<'p, '_> {
         self.start_data()?;
         if !self.output.finish()? {
             self.problems
-                .note("the log contains no time in UTC, so all times count from the start of the vehicle");
+                .note("the log contains no time in UTC: all times count from the start of the vehicle");
         }
         let (records, problem) = self.information.finish();
         for (name, values) in records {
@@ -310,7 +331,7 @@ impl<'p> Stream<'p, '_> {
         let ros =
             self.ros.channels().into_iter().zip(self.counts).map(|((_, _, topic), messages)| TopicReport {
                 topic: topic.to_owned(),
-                action: Action::Converted,
+                action: Action::Copied,
                 messages,
                 ..TopicReport::default()
             });
@@ -320,7 +341,7 @@ impl<'p> Stream<'p, '_> {
 }
 
 impl<'p> Sink<'p> for Stream<'p, '_> {
-    const COPIES_UNKNOWN_KINDS: bool = false;
+    const COPIES_BYTES: bool = false;
 
     fn record(&mut self, record: &Record<'_>, _: &[u8]) -> Result<(), Error> {
         let at = self.routes.get(usize::from(record.subscription.id)).copied().flatten();
@@ -378,9 +399,11 @@ impl<'p> Sink<'p> for Stream<'p, '_> {
                 if let Some(parameter) = Parameter::read(key, ty, value) {
                     self.parameters.push(parameter);
                 } else {
-                    let (at, key, ty) = (item.offset, key.escape_debug(), ty.escape_debug());
-                    let problem = format!("the parameter `{key}` has the unknown type `{ty}`");
-                    self.problems.add(format!("byte {at}: {problem}"));
+                    let (at, size) = (item.offset, value.len());
+                    let (key, ty) = (key.escape_debug(), ty.escape_debug());
+                    self.problems.add(format!(
+                        "byte {at}: parameter `{key}`: expected an int32_t or a float of 4 bytes, found `{ty}` of {size}"
+                    ));
                 }
                 if self.is_in_data || self.parameters.len() >= MAX_PARAMETERS {
                     self.write_parameters(self.is_in_data)?;

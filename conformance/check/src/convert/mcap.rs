@@ -18,8 +18,8 @@ use uavspec_rules::definitions::Definitions;
 use uavspec_runtime::cdr::ByteOrder;
 use uavspec_schema::MessageId;
 
-pub(super) use self::declarations::{Declarations, Declared, Schema, names};
-use self::declarations::{declared_again, fits, too_large};
+pub(super) use self::declarations::{Declarations, Declared, Schema, declared_again, names};
+use self::declarations::{fits, too_large};
 use super::plan::{Converted, Converters, Plan, Treatment};
 use super::report::{Action, Problems, TopicReport};
 use super::topic::Topic;

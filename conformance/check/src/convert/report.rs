@@ -72,9 +72,9 @@ pub struct TopicReport {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Action {
-    /// The messages have a type of the target release, or of their own release if there is no target.
+    /// The messages have the definition of a release: the target, or the release that they agree with.
     Converted,
-    /// The messages keep the fields that the capture states.
+    /// The messages keep their fields.
     Copied,
     /// The messages aren't in the output.
     #[default]

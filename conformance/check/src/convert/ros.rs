@@ -14,6 +14,8 @@ use uavspec_schema::MessageId;
 
 use super::Error;
 use super::information::{LogMessage, keyed};
+use crate::decompressed;
+use crate::limits::MAX_ROS_MESSAGE;
 use crate::timeline::full_name;
 
 /// The ids of the channels for texts and parameters, and the first id of the other channels.
@@ -24,7 +26,7 @@ pub(super) const FIRST_FREE: u16 = 2;
 /// The node that sends the texts and the parameters, and the logger of its texts.
 const NODE: &str = "px4";
 
-/// The logger of events. The topic of the events contains them, too.
+/// The logger of events. A log contains them only on their topic.
 const EVENTS: &str = "px4.event";
 
 /// The logger of dropouts, and the function that marks them.
@@ -51,6 +53,17 @@ pub(super) struct Ros {
     definitions: Arc<Definitions>,
     log: RosType,
     parameters: RosType,
+}
+
+/// The messages of a log that were restored from a message of ROS 2.
+#[derive(Default)]
+pub(super) struct Restored {
+    /// Parameters at the start of the log.
+    pub(super) initial: Vec<LogMessage>,
+    /// Texts, dropouts and changed parameters.
+    pub(super) later: Vec<LogMessage>,
+    /// The parts that are left out.
+    pub(super) left_out: Option<&'static str>,
 }
 
 /// A text for `/rosout`.
@@ -102,7 +115,7 @@ impl Ros {
                 "stamp": {"sec": 0, "nanosec": 0},
                 "level": self.constant(self.log.name, level),
                 "name": logger,
-                // Strings in CDR end with this character.
+                // Strings in CDR end with NUL.
                 "msg": message.replace('\0', ""),
                 "file": "",
                 "function": function,
@@ -163,37 +176,45 @@ impl Ros {
         }
     }
 
-    /// The message of a log for a text; empty for an event. `utc_offset` is the difference between UTC and the vehicle's clock,
-    /// in µs.
-    pub(super) fn log_of_text(&self, payload: &[u8], utc_offset: u64) -> Result<Vec<LogMessage>, String> {
+    /// Restores a text of a log. `utc_offset` is the difference between UTC and the vehicle's clock, in µs.
+    pub(super) fn log_of_text(&self, payload: &[u8], utc_offset: i128) -> Result<Restored, String> {
         let text = self.decode(&self.log, payload)?;
         let number = |value: &Value| value.as_u64().unwrap_or(0);
         let logger = text["name"].as_str().unwrap_or_default();
+        let Some(rest) = logger.strip_prefix(NODE).filter(|rest| rest.is_empty() || rest.starts_with('.'))
+        else {
+            return Ok(Restored { left_out: Some("texts of other nodes"), ..Restored::default() });
+        };
         if logger == EVENTS {
-            return Ok(Vec::new());
+            return Ok(Restored::default());
         }
         if logger == LOGGER && text["function"] == DROPOUT {
             let duration = u16::try_from(number(&text["line"])).unwrap_or(u16::MAX);
-            return Ok(vec![(b'O', duration.to_le_bytes().to_vec())]);
+            let dropout = (b'O', duration.to_le_bytes().to_vec());
+            return Ok(Restored { later: vec![dropout], ..Restored::default() });
         }
         let level = i128::from(number(&text["level"]));
         let reached = LEVELS.iter().rev().find(|(name, _)| level >= self.constant(self.log.name, name));
-        let time = number(&text["stamp"]["sec"]) * 1_000_000 + number(&text["stamp"]["nanosec"]) / 1_000;
-        let tag = logger.strip_prefix(NODE).and_then(|rest| rest.strip_prefix('.')?.parse::<u16>().ok());
-        let mut payload = vec![reached.map_or(b'7', |(_, digit)| *digit)];
-        payload.extend(tag.into_iter().flat_map(u16::to_le_bytes));
-        payload.extend(time.saturating_sub(utc_offset).to_le_bytes());
-        payload.extend_from_slice(text["msg"].as_str().unwrap_or_default().as_bytes());
-        Ok(vec![(if tag.is_some() { b'C' } else { b'L' }, payload)])
+        let [seconds, nanoseconds] = ["sec", "nanosec"].map(|part| text["stamp"][part].as_i64().unwrap_or(0));
+        let time = i128::from(seconds) * 1_000_000 + i128::from(nanoseconds) / 1_000 - utc_offset;
+        let tag = rest.get(1..).and_then(|tag| tag.parse::<u16>().ok());
+        let mut message = vec![reached.map_or(b'7', |(_, digit)| *digit)];
+        message.extend(tag.into_iter().flat_map(u16::to_le_bytes));
+        message.extend(u64::try_from(time).unwrap_or(0).to_le_bytes());
+        message.extend_from_slice(text["msg"].as_str().unwrap_or_default().as_bytes());
+        if message.len() > usize::from(u16::MAX) {
+            return Err(format!("a text of a log has at most {} bytes", u16::MAX));
+        }
+        let kind = if tag.is_some() { b'C' } else { b'L' };
+        Ok(Restored { later: vec![(kind, message)], ..Restored::default() })
     }
 
-    /// The messages of a log for parameters; empty if they belong to another node.
-    pub(super) fn log_of_parameters(&self, payload: &[u8]) -> Result<Vec<LogMessage>, String> {
+    /// Restores the parameters of a log.
+    pub(super) fn log_of_parameters(&self, payload: &[u8]) -> Result<Restored, String> {
         let event = self.decode(&self.parameters, payload)?;
         if event["node"].as_str().is_none_or(|node| node.trim_start_matches('/') != NODE) {
-            return Ok(Vec::new());
+            return Ok(Restored { left_out: Some("parameters of other nodes"), ..Restored::default() });
         }
-        let lists = ["new_parameters", "changed_parameters"].map(|list| event[list].as_array());
         let kind = |name| self.constant(PARAMETER_TYPE, name);
         let [integer, double, text] = ["PARAMETER_INTEGER", "PARAMETER_DOUBLE", "PARAMETER_STRING"].map(kind);
         let message = |parameter: &Value| {
@@ -213,11 +234,26 @@ impl Ros {
             };
             Some((b'P', payload?))
         };
-        Ok(lists.into_iter().flatten().flatten().filter_map(message).collect())
+        let mut left_out = None;
+        let [initial, later, _] =
+            ["new_parameters", "changed_parameters", "deleted_parameters"].map(|list| {
+                let all = event[list].as_array().map_or(&[][..], Vec::as_slice);
+                let is_kept = list != "deleted_parameters";
+                let messages: Vec<LogMessage> = all.iter().filter(|_| is_kept).filter_map(message).collect();
+                if messages.len() < all.len() {
+                    left_out = Some("parameters that a log can't contain");
+                }
+                messages
+            });
+        Ok(Restored { initial, later, left_out })
     }
 
     fn decode(&self, ty: &RosType, payload: &[u8]) -> Result<Value, String> {
-        let message = self.definitions.types().get(ty.id).decode_cdr(payload);
+        let payload = decompressed(payload)?;
+        if payload.len() > MAX_ROS_MESSAGE {
+            return Err(format!("the message has more than {MAX_ROS_MESSAGE} bytes"));
+        }
+        let message = self.definitions.types().get(ty.id).decode_cdr(&payload);
         message.and_then(|message| message.to_json()).map_err(|error| error.to_string())
     }
 
@@ -262,7 +298,7 @@ impl<'t> Text<'t> {
 
     /// A dropout.
     pub(super) fn of_dropout(milliseconds: u16) -> Self {
-        let text = format!("dropout: the messages of {milliseconds} ms are missing");
+        let text = format!("dropout: {milliseconds} ms of messages are missing");
         Self {
             level: "WARN",
             logger: LOGGER.into(),

@@ -202,7 +202,7 @@ impl<'p, 'o> Stream<'p, 'o> {
 }
 
 impl<'p> Sink<'p> for Stream<'p, '_> {
-    const COPIES_UNKNOWN_KINDS: bool = true;
+    const COPIES_BYTES: bool = true;
 
     /// Converts or copies a message.
     fn record(&mut self, record: &Record<'_>, bytes: &[u8]) -> Result<(), Error> {

@@ -31,7 +31,8 @@ pub static RULE: Px4Rule = Px4Rule::new(Rule {
     Mutant::mcap("a renamed field in a schema", |flight, mut bag| {
         let (topic, name) = second_field(flight)?;
         let text = &mut bag.channels[topic].text;
-        *text = text.replacen(&format!(" {name}\n"), &format!(" {name}_before\n"), 1);
+        let line = text.lines().find(|line| line.split_whitespace().nth(1) == Some(name))?.to_owned();
+        *text = text.replacen(&line, &line.replacen(&format!(" {name}"), &format!(" {name}_before"), 1), 1);
         Some(bag)
     }),
 ]);

@@ -1,4 +1,4 @@
-//! Writes messages whose times in UTC are known only later.
+//! Delays messages until the time in UTC is known.
 
 use std::io::{self, BufReader, BufWriter, Read, Seek as _, SeekFrom, Write};
 
@@ -8,12 +8,12 @@ use uavspec_capture::mcap::{Writer, metadata_body};
 
 use super::super::information;
 use crate::clock::Clock;
-use crate::limits::MAX_WAITING;
+use crate::limits::MAX_IN_MEMORY;
 
 /// The start of a ROS message with a stamp: the CDR header, and the stamp in seconds and nanoseconds.
 const STAMP: std::ops::Range<usize> = 4..12;
 
-/// The output, with the messages that wait for the first time from a satellite navigation receiver.
+/// The output. Its messages wait until the log contains the time of a satellite navigation receiver.
 pub(super) struct Timed<'o> {
     pub(super) output: Writer<&'o mut dyn Write>,
     clock: Clock,
@@ -33,7 +33,7 @@ pub(super) struct Place {
 
 impl<'o> Timed<'o> {
     pub(super) fn new(output: Writer<&'o mut dyn Write>) -> Self {
-        let waiting = Some(BufWriter::new(SpooledTempFile::new(MAX_WAITING)));
+        let waiting = Some(BufWriter::new(SpooledTempFile::new(MAX_IN_MEMORY)));
         Self { output, clock: Clock::default(), waiting }
     }
 
@@ -48,13 +48,13 @@ impl<'o> Timed<'o> {
         if self.waiting.is_some()
             && let Some(offset) = self.clock.utc_micros(0)
         {
-            self.write_times(Some(offset))?;
+            self.write_times(offset)?;
             self.write_waiting()?;
         }
         Ok(())
     }
 
-    fn write_times(&mut self, utc_offset: Option<u64>) -> io::Result<()> {
+    fn write_times(&mut self, utc_offset: u64) -> io::Result<()> {
         let (name, values) = information::times(self.clock.start_time(), utc_offset);
         self.output.metadata(&metadata_body(name, &values))
     }
@@ -117,7 +117,7 @@ impl<'o> Timed<'o> {
     pub(super) fn finish(&mut self) -> io::Result<bool> {
         let is_utc = self.waiting.is_none();
         if !is_utc {
-            self.write_times(None)?;
+            self.write_times(0)?;
         }
         self.write_waiting()?;
         Ok(is_utc)

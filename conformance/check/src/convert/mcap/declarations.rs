@@ -1,4 +1,4 @@
-//! The schemas and channels of an MCAP file.
+//! The schemas of an MCAP file, and the limits for its declarations.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -101,7 +101,7 @@ pub(crate) fn names((name, encoding, _): &Schema) -> (&str, &str) {
 }
 
 /// The problem to report for a declaration that differs from an earlier one with the same id.
-pub(super) fn declared_again(kind: &str, id: u16) -> String {
+pub(crate) fn declared_again(kind: &str, id: u16) -> String {
     format!("{kind} {id} is declared again with different content; the first declaration is used")
 }
 
