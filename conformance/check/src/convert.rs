@@ -12,10 +12,11 @@ mod ros;
 mod topic;
 mod ulog;
 
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Seek as _, SeekFrom, Write};
 use std::path::Path;
 
 use serde::Serialize;
+use tempfile::SpooledTempFile;
 
 pub use self::plan::Plan;
 pub use self::report::{Action, ConversionReport, Loss, TopicReport};
@@ -114,4 +115,11 @@ pub fn convert(
         problems.add(change);
     }
     Ok(ConversionReport::new(path, plan, (format, to), topics, problems))
+}
+
+/// The data that was written to a temporary file, from its start.
+fn rewound(data: BufWriter<SpooledTempFile>) -> io::Result<SpooledTempFile> {
+    let mut data = data.into_inner().map_err(io::IntoInnerError::into_error)?;
+    data.seek(SeekFrom::Start(0))?;
+    Ok(data)
 }

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::{self, BufWriter, Read, Seek as _, SeekFrom, Write};
+use std::io::{self, BufWriter, Read, Write};
 use std::sync::Arc;
 
 use tempfile::SpooledTempFile;
@@ -29,7 +29,7 @@ use super::ros::{Restored, Ros};
 use super::topic::Topic;
 use super::ulog::formats::Formats;
 use super::ulog::{MAX_MESSAGE, log_payload, write};
-use super::{Error, Settings};
+use super::{Error, Settings, rewound};
 use crate::limits::{MAX_IN_MEMORY, MAX_INFORMATION, MAX_LOG_FIELDS};
 use crate::log::Metadata;
 use crate::{decompressed, definition_of, digest, topic_of};
@@ -148,9 +148,7 @@ pub(super) fn convert(
         stream.item(item)?;
     }
     let bytes = reader.bytes();
-    if let Some(error) = &input.error {
-        stream.problems.add(format!("byte {bytes}: the rest is unreadable: {error}"));
-    }
+    stream.problems.add_unreadable_rest(bytes, input.error.as_ref());
     stream.finish(output)
 }
 
@@ -244,9 +242,8 @@ impl<'p> Stream<'p> {
             id: 0,
             timestamp: None,
         };
-        let of_ros = [Content::Texts, Content::Parameters].into_iter().zip(self.ros.channels());
-        if let Some((content, (_, known, _))) = of_ros.into_iter().find(|(_, (_, known, _))| known.name == ty)
-        {
+        let mut of_ros = [Content::Texts, Content::Parameters].into_iter().zip(self.ros.channels());
+        if let Some((content, (_, known, _))) = of_ros.find(|(_, (_, known, _))| known.name == ty) {
             if self.stated(*schema, &ty).is_ok_and(|stated| stated.type_hash != known.hash) {
                 return Ok(Err(format!("its fields differ from {ty}")));
             }
@@ -440,10 +437,7 @@ impl<'p> Stream<'p> {
         for (kind, payload) in &self.definitions {
             write(&mut output, *kind, &[payload])?;
         }
-        let mut data = self.data.into_inner().map_err(io::IntoInnerError::into_error)?;
-        let end = data.stream_position()?;
-        data.seek(SeekFrom::Start(0))?;
-        io::copy(&mut data.take(end), &mut output)?;
+        io::copy(&mut rewound(self.data)?, &mut output)?;
         output.flush()?;
         let topics = self.channels.into_iter().flatten().map(|channel| channel.topic.finish());
         Ok((topics.collect(), self.problems))

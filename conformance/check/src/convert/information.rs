@@ -138,15 +138,13 @@ pub(super) struct Information {
     defaults: [BTreeMap<String, String>; 2],
     /// The size of all keys and values, in bytes.
     size: usize,
-    is_full: bool,
 }
 
 impl Information {
     /// Reserves space. Returns false if the limit is reached.
     fn has_room(&mut self, size: usize) -> bool {
         self.size = self.size.saturating_add(size);
-        self.is_full |= self.size > MAX_INFORMATION;
-        !self.is_full
+        self.size <= MAX_INFORMATION
     }
 
     /// Adds the value of a key.
@@ -194,7 +192,7 @@ impl Information {
         let defaults = DEFAULTS.into_iter().zip(std::mem::take(&mut self.defaults));
         let records = std::iter::once((INFORMATION, values)).chain(defaults);
         let limit = MAX_INFORMATION >> 20;
-        let problem = self.is_full.then(|| {
+        let problem = (self.size > MAX_INFORMATION).then(|| {
             format!(
                 "the information and the default parameters take more than {limit} MiB: the rest is left out"
             )

@@ -32,6 +32,24 @@ pub(super) trait Sink<'p> {
     fn problems(&mut self) -> &mut Problems;
 }
 
+/// The indices of topics, by the id of their subscription.
+#[derive(Default)]
+pub(super) struct Routes(Vec<Option<usize>>);
+
+impl Routes {
+    pub(super) fn get(&self, id: u16) -> Option<usize> {
+        self.0.get(usize::from(id)).copied().flatten()
+    }
+
+    pub(super) fn set(&mut self, id: u16, topic: Option<usize>) {
+        let slot = usize::from(id);
+        if slot >= self.0.len() {
+            self.0.resize(slot + 1, None);
+        }
+        self.0[slot] = topic;
+    }
+}
+
 /// Reads a log up to its end, or up to the first unreadable byte.
 pub(super) fn read<'p>(input: impl Read, sink: &mut impl Sink<'p>) -> Result<Log, Error> {
     let mut input = UpToError::new(input);
@@ -40,9 +58,7 @@ pub(super) fn read<'p>(input: impl Read, sink: &mut impl Sink<'p>) -> Result<Log
         take(&item, &mut log, sink)?;
     }
     let position = reader.position();
-    if let Some(error) = &input.error {
-        sink.problems().add(format!("byte {position}: the rest is unreadable: {error}"));
-    }
+    sink.problems().add_unreadable_rest(position, input.error.as_ref());
     let mut found = Vec::new();
     log.finish(&mut |offset, problem| found.push((offset, problem)));
     for (offset, problem) in found {

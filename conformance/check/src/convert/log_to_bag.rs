@@ -17,7 +17,7 @@ use uavspec_runtime::cdr::ByteOrder;
 
 use self::timed::{Place, Timed};
 use super::information::Information;
-use super::log::{self, Sink};
+use super::log::{self, Routes, Sink};
 use super::plan::{Converted, Converters, Plan};
 use super::report::{Action, Problems, TopicReport};
 use super::ros::{self, Parameter, Ros, Text};
@@ -71,7 +71,7 @@ struct Stream<'p, 'o> {
     /// The channels by the topic and its instance.
     by_name: HashMap<(String, u8), usize>,
     /// The channels by the id of their subscription.
-    routes: Vec<Option<usize>>,
+    routes: Routes,
     /// The ids of the schemas in the output, by name and text.
     schemas: HashMap<(String, String), u16>,
     /// The total size of the schemas of all topics, in bytes.
@@ -109,7 +109,7 @@ pub(super) fn convert(
         channels: Vec::new(),
         names: HashSet::new(),
         by_name: HashMap::new(),
-        routes: Vec::new(),
+        routes: Routes::default(),
         schemas: HashMap::new(),
         size: 0,
         time: 0,
@@ -208,11 +208,7 @@ impl<'p> Stream<'p, '_> {
 
     /// Subscribes an id.
     fn subscribe(&mut self, id: u16, (name, multi_id): (&str, u8), log: &Log) {
-        let slot = usize::from(id);
-        if slot >= self.routes.len() {
-            self.routes.resize(slot + 1, None);
-        }
-        self.routes[slot] = None;
+        self.routes.set(id, None);
         // The subscription may have had no room.
         if log.subscription(id).is_none() {
             return;
@@ -231,7 +227,7 @@ impl<'p> Stream<'p, '_> {
             let name = name.escape_debug();
             return self.problems.add(format!("more than {MAX_LOG_TOPICS} topics: `{name}` is left out"));
         }
-        self.routes[slot] = Some(known.unwrap_or(at));
+        self.routes.set(id, Some(known.unwrap_or(at)));
     }
 
     /// Opens a channel with its first message.
@@ -344,8 +340,7 @@ impl<'p> Sink<'p> for Stream<'p, '_> {
     const COPIES_BYTES: bool = false;
 
     fn record(&mut self, record: &Record<'_>, _: &[u8]) -> Result<(), Error> {
-        let at = self.routes.get(usize::from(record.subscription.id)).copied().flatten();
-        let Some(at) = at else { return Ok(()) };
+        let Some(at) = self.routes.get(record.subscription.id) else { return Ok(()) };
         if self.channels[at].opened.is_none() {
             self.open(at, record)?;
         }
@@ -430,7 +425,7 @@ impl<'p> Sink<'p> for Stream<'p, '_> {
     }
 
     fn topic(&mut self, id: u16) -> Option<&mut Topic<'p>> {
-        let at = self.routes.get(usize::from(id)).copied().flatten()?;
+        let at = self.routes.get(id)?;
         self.channels.get_mut(at).map(|channel| &mut channel.topic)
     }
 

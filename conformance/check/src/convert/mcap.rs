@@ -111,9 +111,7 @@ pub(super) fn convert(
         }
     }
     let bytes = reader.bytes();
-    if let Some(error) = &input.error {
-        problems.add(format!("byte {bytes}: the rest is unreadable: {error}"));
-    }
+    problems.add_unreadable_rest(bytes, input.error.as_ref());
     // Even without records, the output is a valid file.
     if let Some(output) = output {
         Writer::new(output, "")?.finish()?;

@@ -21,7 +21,10 @@ use crate::topic_of;
 pub struct Plan {
     source: Arc<Definitions>,
     target: Arc<Definitions>,
-    release: LoadedRelease,
+    /// The family of the releases that are converted.
+    family: Family,
+    /// The target release. `None` if the messages keep their types.
+    release: Option<LoadedRelease>,
     /// True if the user specifies the release of the capture.
     is_source_named: bool,
     /// The conversions of each package of the source, by its index.
@@ -124,14 +127,11 @@ impl Plan {
         hints: Option<&Path>,
     ) -> Result<Self, Failure> {
         let target = Arc::clone(to.map_or(&source, Library::base));
-        let mut releases = target.releases().iter();
-        let release = match to {
-            Some(_) => releases.next().cloned().ok_or_else(|| Failure::new("the target is not a release"))?,
-            None => releases
-                .find(|release| release.family == Family::Px4)
-                .cloned()
-                .unwrap_or(LoadedRelease { family: Family::Px4, label: String::new(), title: String::new() }),
-        };
+        let release = to.and_then(|_| target.releases().first().cloned());
+        if to.is_some() && release.is_none() {
+            return Err(Failure::new("the target is not a release"));
+        }
+        let family = release.as_ref().map_or(Family::Px4, |release| release.family);
         let hints = HintFiles::read(hints)?;
         let mut packages = BTreeMap::new();
         let mut versions = Vec::new();
@@ -142,11 +142,12 @@ impl Plan {
                 None => Some(index),
             };
             let first = package.messages.first().and_then(|id| source.release_of(*id));
-            let (Some(twin), Some(from)) = (twin, first.filter(|from| from.family == release.family)) else {
+            let (Some(twin), Some(from)) = (twin, first.filter(|from| from.family == family)) else {
                 continue;
             };
             let index_of = |label: &str| library.index().find(label);
-            let is_forward = index_of(&from.label) <= index_of(&release.label);
+            let is_forward =
+                release.as_ref().is_none_or(|release| index_of(&from.label) <= index_of(&release.label));
             let before = Version { schema: &source.schema, package: index };
             let after = Version { schema: &target.schema, package: twin };
             let pair = if is_forward { (before, after) } else { (after, before) };
@@ -158,8 +159,8 @@ impl Plan {
         if !found.is_empty() {
             hints.check(&found, &versions)?;
         }
-        let is_source_named = library.names_release(release.family);
-        Ok(Self { source, target, release, is_source_named, packages })
+        let is_source_named = library.names_release(family);
+        Ok(Self { source, target, family, release, is_source_named, packages })
     }
 
     /// The definitions of the capture.
@@ -169,7 +170,7 @@ impl Plan {
 
     /// The releases of the capture that are converted.
     pub(super) fn sources(&self) -> Vec<String> {
-        let releases = self.source.releases().iter().filter(|release| release.family == self.release.family);
+        let releases = self.source.releases().iter().filter(|release| release.family == self.family);
         releases.map(|release| release.label.clone()).collect()
     }
 
@@ -180,11 +181,16 @@ impl Plan {
 
     /// True if the messages keep their types.
     pub(super) fn keeps_types(&self) -> bool {
-        Arc::ptr_eq(&self.source, &self.target)
+        self.release.is_none()
     }
 
-    pub(super) fn target_label(&self) -> &str {
-        &self.release.label
+    /// The label of the target release.
+    pub(super) fn target_label(&self) -> Option<&str> {
+        self.release.as_ref().map(|release| release.label.as_str())
+    }
+
+    fn target_title(&self) -> &str {
+        self.release.as_ref().map_or("", |release| &release.title)
     }
 
     /// True if the type is part of the conversion.
@@ -203,7 +209,7 @@ impl Plan {
         if self.packages.is_empty() || !is_other(&self.target) {
             return Treatment::Copy;
         }
-        Treatment::LeaveOut(format!("only {} defines it", self.release.title))
+        Treatment::LeaveOut(format!("only {} defines it", self.target_title()))
     }
 
     /// The treatment of messages whose fields differ from the definition of their type.
@@ -263,7 +269,9 @@ impl Plan {
         match self.target.message_of_type(&name).map(|id| self.target.schema.message(id)) {
             Some(twin) if twin.type_hash == message.type_hash => Treatment::Copy,
             Some(_) => Treatment::LeaveOut("its service fields differ in the target release".to_owned()),
-            None => Treatment::LeaveOut(format!("{} lacks the message {}", self.release.title, message.name)),
+            None => {
+                Treatment::LeaveOut(format!("{} lacks the message {}", self.target_title(), message.name))
+            }
         }
     }
 

@@ -1,6 +1,7 @@
 //! The report of a conversion.
 
 use std::fmt::Write as _;
+use std::io;
 use std::path::Path;
 
 use serde::Serialize;
@@ -117,6 +118,13 @@ impl Problems {
         }
     }
 
+    /// Adds the error that ended the reading, if there is one.
+    pub(super) fn add_unreadable_rest(&mut self, byte: u64, error: Option<&io::Error>) {
+        if let Some(error) = error {
+            self.add(format!("byte {byte}: the rest is unreadable: {error}"));
+        }
+    }
+
     pub(super) fn note(&mut self, note: &str) {
         self.notes.push(note.to_owned());
     }
@@ -136,7 +144,7 @@ impl ConversionReport {
             uavspec: env!("CARGO_PKG_VERSION").to_owned(),
             capture: path.to_string_lossy().into_owned(),
             from: plan.sources(),
-            to: (!plan.keeps_types()).then(|| plan.target_label().to_owned()),
+            to: plan.target_label().map(str::to_owned),
             from_format: formats.0,
             to_format: formats.1,
             topics,

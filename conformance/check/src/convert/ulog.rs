@@ -9,7 +9,7 @@ use uavspec_capture::ulog::{Event, Item, Log, Record};
 use uavspec_dynamic::DynamicMessage;
 
 use self::formats::{Formats, LogFormats};
-use super::log::{self, Sink};
+use super::log::{self, Routes, Sink};
 use super::plan::{Converted, Converters, Plan, Treatment};
 use super::report::{Action, Problems, TopicReport};
 use super::topic::Topic;
@@ -41,7 +41,7 @@ struct Stream<'p, 'o> {
     /// True for each topic with a subscription.
     subscribed: Vec<bool>,
     /// The topics by the id of their subscription.
-    routes: Vec<Option<usize>>,
+    routes: Routes,
     formats: Formats,
     /// True once the formats have been written.
     is_in_data: bool,
@@ -70,7 +70,7 @@ impl<'p, 'o> Stream<'p, 'o> {
             topics: Vec::new(),
             by_name: HashMap::new(),
             subscribed: Vec::new(),
-            routes: Vec::new(),
+            routes: Routes::default(),
             formats: Formats::default(),
             is_in_data: false,
         }
@@ -135,7 +135,10 @@ impl<'p, 'o> Stream<'p, 'o> {
         if format.is_none() {
             topic.leave_out("its format is invalid".to_owned());
         } else if !topic.converted.as_deref().is_none_or(fits) {
-            topic.leave_out(format!("its messages in {} don't fit into a log", self.plan.target_label()));
+            topic.leave_out(format!(
+                "its messages in {} don't fit into a log",
+                self.plan.target_label().unwrap_or_default()
+            ));
         }
         topic
     }
@@ -157,13 +160,10 @@ impl<'p, 'o> Stream<'p, 'o> {
         (name, bytes): (&str, &[u8]),
         log: &Log,
     ) -> Result<(), Error> {
-        let slot = usize::from(id);
-        if slot >= self.routes.len() {
-            self.routes.resize(slot + 1, None);
-        }
         // The subscription may have had no room.
-        self.routes[slot] = log.subscription(id).and_then(|_| self.topic_of(name));
-        let Some(at) = self.routes[slot] else { return Ok(()) };
+        let topic = log.subscription(id).and_then(|_| self.topic_of(name));
+        self.routes.set(id, topic);
+        let Some(at) = topic else { return Ok(()) };
         self.subscribed[at] = true;
         let topic = &self.topics[at];
         if topic.report.action == Action::LeftOut {
@@ -247,7 +247,7 @@ impl<'p> Sink<'p> for Stream<'p, '_> {
     }
 
     fn topic(&mut self, id: u16) -> Option<&mut Topic<'p>> {
-        let at = self.routes.get(usize::from(id)).copied().flatten()?;
+        let at = self.routes.get(id)?;
         self.topics.get_mut(at)
     }
 

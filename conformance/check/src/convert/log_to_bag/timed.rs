@@ -1,12 +1,12 @@
 //! Delays messages until the time in UTC is known.
 
-use std::io::{self, BufReader, BufWriter, Read, Seek as _, SeekFrom, Write};
+use std::io::{self, BufReader, BufWriter, Read, Write};
 
 use mcap::records::MessageHeader;
 use tempfile::SpooledTempFile;
 use uavspec_capture::mcap::{Writer, metadata_body};
 
-use super::super::information;
+use super::super::{information, rewound};
 use crate::clock::Clock;
 use crate::limits::MAX_IN_MEMORY;
 
@@ -76,10 +76,7 @@ impl<'o> Timed<'o> {
     /// Writes the waiting messages.
     fn write_waiting(&mut self) -> io::Result<()> {
         let Some(waiting) = self.waiting.take() else { return Ok(()) };
-        let mut waiting = waiting.into_inner().map_err(io::IntoInnerError::into_error)?;
-        let end = waiting.stream_position()?;
-        waiting.seek(SeekFrom::Start(0))?;
-        let mut waiting = BufReader::new(waiting.take(end));
+        let mut waiting = BufReader::new(rewound(waiting)?);
         let mut payload = Vec::new();
         while let Some(channel) = next::<2>(&mut waiting)? {
             let (Some([is_stamped]), Some(time), Some(size)) =
