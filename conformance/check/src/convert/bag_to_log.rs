@@ -188,6 +188,11 @@ impl<'p> Stream<'p> {
     /// Adds messages to the definitions section.
     fn define(&mut self, messages: Vec<LogMessage>) {
         for (kind, payload) in messages {
+            if payload.len() > usize::from(u16::MAX) {
+                let size = payload.len();
+                self.problems.add(format!("information of {size} bytes doesn't fit into a message of a log"));
+                continue;
+            }
             let is_full = self.size > MAX_INFORMATION;
             self.size = self.size.saturating_add(payload.len());
             if self.size > MAX_INFORMATION {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use serde_json::{Value, json};
 use tempfile::TempDir;
-use uavspec_capture::mcap::{Event, Reader, metadata};
+use uavspec_capture::mcap::{Event, Reader, metadata, metadata_body};
 use uavspec_capture::ulog;
 use uavspec_check::convert::{Action, ConversionReport, Error, Format, Plan, Settings, convert};
 use uavspec_check::open_path;
@@ -409,6 +409,8 @@ fn texts_have_the_time_of_the_vehicle() {
     records.push(text("px4", 1_003, "after")[2].clone());
     records.push(text("planner", 1_003, "other")[2].clone());
     records.push(text("px4", 1_003, &"long".repeat(20_000))[2].clone());
+    let information = BTreeMap::from([("char[4] sys_name".to_owned(), "long".repeat(20_000))]);
+    records.push(mcap::record(0x0c, &[&metadata_body("ulog:information", &information)]));
     let (report, output) = changed(&bag_with(&records), Format::Log, None).expect("a conversion");
     let line = |time: u64, text: &str| [b"4", &time.to_le_bytes()[..], text.as_bytes()].concat();
     let mut expected = [line(1_000_000, "before"), line(4_000_000, "after")];
@@ -417,6 +419,8 @@ fn texts_have_the_time_of_the_vehicle() {
     let texts = report.topics.iter().find(|topic| topic.topic == "/rosout").expect("a topic");
     assert_eq!(texts.reason.as_deref(), Some("texts of other nodes are left out"));
     assert_eq!((texts.messages, texts.unreadable), (4, 1));
+    assert!(report.problems[0].starts_with("information of 80021 bytes"), "{:?}", report.problems);
+    assert_eq!(content(&output).get(&'I'), None);
 }
 
 #[test]
