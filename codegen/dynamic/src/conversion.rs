@@ -30,7 +30,7 @@ mod memory;
 mod plan;
 mod request;
 
-pub use self::build::{Conversions, Version};
+pub use self::build::{Applied, Conversions, Version};
 pub use self::expression::{Binary, Computed, Expression, Unary, ValueKind};
 pub use self::hints::{Hints, Mistake, read as read_hints};
 pub use self::memory::{Converter, TooLarge};

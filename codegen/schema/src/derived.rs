@@ -100,7 +100,8 @@ impl Schema {
     /// Adds a message to a new package.
     fn add_to_package(&mut self, package: &str, name: &str, fields: Vec<Field>, span: Span) -> MessageId {
         let form = Form::Msg(Dialect::Ros2);
-        self.packages.push(Package::new(package.to_owned(), form, package.to_owned()));
+        let package = Package::new(package.to_owned(), form, package.to_owned());
+        self.packages.push(Package { is_dependency: true, ..package });
         let place = Place { package: self.packages.len() - 1, kind: Kind::Message, span };
         self.add_message(place, name.to_owned(), fields)
     }

@@ -1,4 +1,4 @@
-//! Converts the messages of a capture to another release.
+//! Converts the messages of a capture to other definitions, or to another format.
 
 mod bag_to_log;
 mod information;
@@ -17,6 +17,7 @@ use std::path::Path;
 
 use serde::Serialize;
 use tempfile::SpooledTempFile;
+use uavspec_schema::Failure;
 
 pub use self::plan::Plan;
 pub use self::report::{Action, ConversionReport, Loss, TopicReport};
@@ -71,6 +72,8 @@ pub struct Settings {
 pub enum Error {
     /// The capture can't be converted; contains the reason.
     Input(String),
+    /// A hint contains a mistake, or is never used.
+    Hints(Failure),
     /// The output can't be written.
     Write(io::Error),
 }
@@ -81,6 +84,12 @@ impl Error {
         Self::Input(format!(
             "captures in the format {name} can't be converted; expected MCAP, ULog or JSON messages"
         ))
+    }
+}
+
+impl From<Failure> for Error {
+    fn from(failure: Failure) -> Self {
+        Self::Hints(failure)
     }
 }
 

@@ -29,12 +29,13 @@ use uavspec_lint::release;
 use uavspec_model::Recent;
 use uavspec_model::text::terminal;
 pub use uavspec_px4::event::EventMetadata;
-use uavspec_schema::fingerprint::{ros_name, service_hash_of_event};
+use uavspec_schema::fingerprint::{interface_name, ros_name, service_hash_of_event};
 use uavspec_schema::msg::{Dialect, Kind};
 use uavspec_schema::source::Span;
 use uavspec_schema::translation::{self, Translations};
 use uavspec_schema::{
-    Element, Failure, Form, Message, MessageId, Package, PackageInput, Schema, SourceMap, read,
+    Failure, Form, Interface, Message, MessageId, Package, PackageInput, Schema, SourceMap, derived_from,
+    read,
 };
 
 pub use self::choice::{Clues, FormatClue, JsonClue, TypeClue};
@@ -218,6 +219,12 @@ impl Definitions {
         self
     }
 
+    /// True if these definitions contain a package of messages, and not only because other packages refer to it.
+    pub fn defines(&self, package: &Package) -> bool {
+        let is_added = package.is_dependency || self.built_in.contains(&package.name);
+        !is_added && matches!(package.form, Form::Msg(_))
+    }
+
     /// The main releases of these definitions. Empty if they aren't the definitions of a release.
     pub fn releases(&self) -> &[LoadedRelease] {
         &self.releases
@@ -280,6 +287,12 @@ impl Definitions {
             .map(|id| self.current(*id))
     }
 
+    /// The type hash that captures contain for a message. For the event message of a service, this is the hash of the
+    /// service.
+    pub fn captured_hash(&self, message: &Message) -> String {
+        service_hash_of_event(&self.schema, message).unwrap_or_else(|| message.type_hash.clone())
+    }
+
     /// True if a capture may contain this type hash for a message. For the event message of a service, captures contain
     /// the hash of the service.
     pub fn has_type_hash(&self, message: &Message, stated: &str) -> bool {
@@ -334,28 +347,38 @@ impl Definitions {
         BodySchemas { defined_schemas: self.defined_schemas(), schemas: &self.schemas }
     }
 
-    /// The text of a message's definition and of its nested messages, as bags store it.
+    /// The text of a message's definition and of its nested messages, as bags store it. For a message that ROS 2 derives
+    /// from a service or an action, this is the text of the service or the action.
     pub fn bag_text(&self, id: MessageId) -> String {
+        let root = self.schema.message(id);
         let (mut text, mut known, mut waiting) = (String::new(), BTreeSet::from([id]), vec![id]);
+        if let Some(interface) = self.interface_of(root) {
+            if interface.kind == Kind::Service {
+                let name = interface_name(self.schema.package_of(root), interface);
+                text.extend([&*"=".repeat(SEPARATOR), "\nSRV: ", &name, "\n"]);
+            }
+            push_lines(&mut text, self.sources.slice(interface.span));
+            let nested = interface.parts.iter().flat_map(|part| self.schema.message(*part).nested());
+            waiting = nested.filter(|nested| known.insert(*nested)).collect();
+        }
         while let Some(id) = waiting.pop() {
             let message = self.schema.message(id);
             if !text.is_empty() {
                 let name = ros_name(&self.schema, message).replacen("/msg/", "/", 1);
                 text.extend([&*"=".repeat(SEPARATOR), "\nMSG: ", &name, "\n"]);
             }
-            text.push_str(self.sources.slice(message.span));
-            if !text.ends_with('\n') {
-                text.push('\n');
-            }
-            for field in &message.fields {
-                if let Element::Message(nested) = field.ty.element
-                    && known.insert(nested)
-                {
-                    waiting.push(nested);
-                }
-            }
+            push_lines(&mut text, self.sources.slice(message.span));
+            waiting.extend(message.nested().filter(|nested| known.insert(*nested)));
         }
         text
+    }
+
+    /// The service or action that a message belongs to.
+    fn interface_of(&self, message: &Message) -> Option<&Interface> {
+        let name = ros_name(&self.schema, message);
+        let (kind, origin) = derived_from(&name)?;
+        let package = self.schema.package_of(message);
+        package.interfaces.iter().find(|found| found.kind == kind && interface_name(package, found) == origin)
     }
 
     /// The line of a definition.
@@ -364,6 +387,14 @@ impl Definitions {
         let number = self.sources.position(span).line;
         let text = self.sources.text(id).lines().nth(number - 1).unwrap_or_default();
         Line { file: self.sources.path(id), number, text }
+    }
+}
+
+/// Adds a text that ends with a line feed.
+fn push_lines(text: &mut String, lines: &str) {
+    text.push_str(lines);
+    if !text.ends_with('\n') {
+        text.push('\n');
     }
 }
 

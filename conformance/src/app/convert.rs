@@ -78,18 +78,19 @@ pub(super) struct ConvertArgs {
     /// rosbridge). It may be compressed with gzip or zstd.
     #[arg(value_name = "IN")]
     input: PathBuf,
-    /// Release of the output, such as px4@1.16. Required unless OUT has another format than IN [default: the messages
-    /// keep their types].
-    #[arg(long, value_name = "RELEASE")]
-    to: Option<String>,
+    /// Definitions of the output: a release, such as px4@1.16 or ros2@humble, or a path. Required unless OUT has
+    /// another format than IN [default: the messages keep their types].
+    #[arg(long, value_name = "DEFINITIONS")]
+    to: Option<PathBuf>,
     /// File to write. It replaces an existing file, but never the input.
     ///
     /// If its name ends with .mcap or .ulg, the output has this format. Otherwise, it has the format of the input.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
-    /// Release of the input [default: the release that matches best, for each topic].
-    #[arg(long, value_name = "RELEASE")]
-    from: Option<String>,
+    /// Definitions of the input, in the same form [default: the schemas in the input, and the release that matches
+    /// best].
+    #[arg(long, value_name = "DEFINITIONS")]
+    from: Option<PathBuf>,
     /// File with hints for differences that the definitions don't resolve.
     ///
     /// They take precedence over uavspec's built-in hints for PX4.
@@ -110,6 +111,7 @@ pub(super) struct ConvertArgs {
 pub(super) fn run(args: &ConvertArgs) -> Exit {
     let inputs = Inputs {
         files: std::iter::once(&*args.input).chain(args.hints.as_deref()).collect(),
+        definitions: args.from.iter().chain(&args.to).map(PathBuf::as_path).collect(),
         ..Inputs::default()
     };
     outputs::check(&inputs, &[Output::new("--output", &args.output)])?;
@@ -118,10 +120,10 @@ pub(super) fn run(args: &ConvertArgs) -> Exit {
         let problem = format!("{}: a folder can't be converted", terminal::path(&args.input));
         return Err(Status::Usage.with_help(problem, help));
     }
-    let source = args.from.as_deref().map_or_else(|| Ok(Library::built_in()), Library::release);
     let usage = |failure: Failure| Status::Usage.failed(&failure);
-    let source = source.map_err(usage)?;
-    let target = args.to.as_deref().map(Library::release).transpose().map_err(usage)?;
+    let load = |path: &PathBuf| Library::load(path, None);
+    let source = args.from.as_ref().map_or_else(|| Ok(Library::built_in()), load).map_err(usage)?;
+    let target = args.to.as_ref().map(load).transpose().map_err(usage)?;
     let interrupted = interruption()?;
     let progress = Progress::bytes(std::fs::metadata(&args.input).map_or(0, |metadata| metadata.len()));
     let opened = open_path(&args.input, &source, &|input| {
@@ -185,6 +187,7 @@ fn write(
 fn failed(args: &ConvertArgs, error: Error) -> Status {
     match error {
         Error::Input(problem) => unreadable(&args.input, problem),
+        Error::Hints(failure) => Status::Usage.failed(&failure),
         Error::Write(error) => unreadable(&args.output, error),
     }
 }
@@ -268,7 +271,7 @@ mod tests {
             let opened = Opened { kind: "JSON", definitions: Arc::clone(definitions), bytes, state: None };
             let args = ConvertArgs {
                 input: "in.jsonl".into(),
-                to: Some("px4@1.17".to_owned()),
+                to: Some("px4@1.17".into()),
                 output: output.clone(),
                 from: None,
                 hints: None,

@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use uavspec_schema::wording::similar;
-use uavspec_schema::{Form, MessageId, Package, Schema};
+use uavspec_schema::{Form, Kind, MessageId, Package, Schema};
 
 use self::direction::Pairs;
 use super::hints::{Decisions, Hint, Hints, Mistake, missing};
@@ -52,8 +52,36 @@ pub struct Conversions {
     pub backward: Vec<Arc<Conversion>>,
     /// Mistakes in the hints that are detected only with the definitions, such as wrong types.
     pub mistakes: Vec<Mistake>,
-    /// The hints that apply to at least one message, by their index in the file.
-    pub(crate) applied: Vec<bool>,
+    /// The hints that apply.
+    pub(crate) applied: Applied,
+}
+
+/// The hints that apply to at least one message.
+#[derive(Clone, Debug, Default)]
+pub struct Applied {
+    /// True for each hint that applies, by its index in the file.
+    hints: Vec<bool>,
+    /// Like `hints`, for the renamed packages.
+    packages: Vec<bool>,
+}
+
+impl Applied {
+    fn none(hints: &Hints) -> Self {
+        Self { hints: vec![false; hints.hints.len()], packages: vec![false; hints.packages.len()] }
+    }
+
+    /// Adds the hints that apply to these conversions.
+    pub fn add(&mut self, found: &Conversions) {
+        self.merge(&found.applied);
+    }
+
+    /// Adds the hints that apply elsewhere.
+    pub fn merge(&mut self, other: &Self) {
+        for (all, added) in [(&mut self.hints, &other.hints), (&mut self.packages, &other.packages)] {
+            all.resize(all.len().max(added.len()), false);
+            all.iter_mut().zip(added).for_each(|(all, added)| *all |= added);
+        }
+    }
 }
 
 impl Conversions {
@@ -65,16 +93,20 @@ impl Conversions {
     /// The conversions between two packages, which may belong to different schemas. The hints describe changes from
     /// `old` to `new`.
     pub fn between(old: Version<'_>, new: Version<'_>, hints: &Hints) -> Self {
-        let others = shared_topics(old, new, hints);
-        let packages = paired_packages(old, new);
+        let mut applied = Applied::none(hints);
+        let packages = paired_packages(old, new, hints, &mut applied);
+        let mut others = shared_topics(old, new, hints);
+        for (before, after) in &packages {
+            others.extend(derived_twins((old.schema, *before), (new.schema, *after)));
+        }
+        let packages = packages.into_iter().map(|(before, after)| (Some(before), Some(after))).collect();
         let comparison =
             Comparison::of_packages((old.schema, new.schema), packages, &others, Between::Releases);
         let mut pairs = Pairs::new();
         for pair in &comparison.pairs {
             pairs.insert(pair.ids, pair);
         }
-        let mut found = Self { old: old.package, new: new.package, ..Self::default() };
-        found.applied = vec![false; hints.hints.len()];
+        let mut found = Self { old: old.package, new: new.package, applied, ..Self::default() };
         let selected = |pair: &&Pair<'_>| (pair.old.package, pair.new.package) == (old.package, new.package);
         let mut listed: Vec<(MessageId, MessageId)> =
             comparison.pairs.iter().filter(selected).map(|pair| pair.ids).collect();
@@ -108,23 +140,26 @@ impl Conversions {
 }
 
 impl Hints {
-    /// The hints that don't apply to any of these conversions, each with its location and the reason.
-    pub fn unused(
-        &self,
-        conversions: &[&Conversions],
-        versions: &[(Version<'_>, Version<'_>)],
-    ) -> Vec<Mistake> {
-        let is_unused = |at: &usize| !conversions.iter().any(|found| found.applied.get(*at) == Some(&true));
-        let unused = (0..self.hints.len()).filter(is_unused).map(|at| {
-            let hint = &self.hints[at];
+    /// The hints that don't apply to any conversion, each with its location and the reason. `versions` contains the
+    /// packages that explain the reason.
+    pub fn unused(&self, applied: &Applied, versions: &[(Version<'_>, Version<'_>)]) -> Vec<Mistake> {
+        let help = || "correct the name, or remove the hint".to_owned();
+        let is_unused = |applied: &[bool], at: usize| applied.get(at) != Some(&true);
+        let hints = self.hints.iter().enumerate().filter(|(at, _)| is_unused(&applied.hints, *at));
+        let unused = hints.map(|(_, hint)| {
             let reason = versions.iter().find_map(|(old, new)| closest(hint, *old, *new));
             let (span, message) = reason.unwrap_or_else(|| {
                 let [old, new] = &hint.messages;
                 (old.span, format!("no package has the messages `{}` and `{}`", old.text, new.text))
             });
-            Mistake { span, message, help: "correct the name, or remove the hint".to_owned() }
+            Mistake { span, message, help: help() }
         });
-        unused.collect()
+        let packages = self.packages.iter().enumerate().filter(|(at, _)| is_unused(&applied.packages, *at));
+        let packages = packages.map(|(_, [old, new])| {
+            let message = format!("no message is converted from `{}` to `{}`", old.text, new.text);
+            Mistake { span: old.span, message, help: help() }
+        });
+        unused.chain(packages).collect()
     }
 }
 
@@ -167,19 +202,52 @@ fn shared_topics(old: Version<'_>, new: Version<'_>, hints: &Hints) -> Vec<(Mess
     pairs
 }
 
-/// The two packages, and all other packages that both schemas contain under the same name.
+/// The two packages, and all other packages that both schemas contain, under the same name or the name in a hint.
 fn paired_packages<'s>(
     old: Version<'s>,
     new: Version<'s>,
-) -> Vec<(Option<&'s Package>, Option<&'s Package>)> {
+    hints: &Hints,
+    applied: &mut Applied,
+) -> Vec<(&'s Package, &'s Package)> {
     let is_other = |side: Version<'_>, package: &Package| !std::ptr::eq(side.package(), package);
-    let mut pairs = vec![(Some(old.package()), Some(new.package()))];
+    let mut pairs = vec![(old.package(), new.package())];
     for package in old.schema.packages.iter().filter(|package| is_other(old, package)) {
-        let twin = new.schema.packages.iter().find(|twin| twin.name == package.name && is_other(new, twin));
-        if twin.is_some() && matches!(package.form, Form::Msg(_)) {
-            pairs.push((Some(package), twin));
+        let find =
+            |name: &str| new.schema.packages.iter().find(|twin| twin.name == name && is_other(new, twin));
+        let twin = hints.counterparts(&package.name).find_map(find);
+        if let (Some(twin), Form::Msg(_)) = (twin, package.form) {
+            pairs.push((package, twin));
         }
     }
+    for (at, [before, after]) in hints.packages.iter().enumerate() {
+        let is_pair = |(old, new): &(&Package, &Package)| {
+            let names = (&old.ros_package, &new.ros_package);
+            names == (&before.text, &after.text) || names == (&after.text, &before.text)
+        };
+        applied.packages[at] = pairs.iter().any(is_pair);
+    }
+    pairs
+}
+
+/// The pairs of messages that ROS 2 derives from services and actions, and of the messages that only these contain. At
+/// least one of the packages doesn't list the message.
+fn derived_twins(
+    (old, old_package): (&Schema, &Package),
+    (new, new_package): (&Schema, &Package),
+) -> Vec<(MessageId, MessageId)> {
+    let by_name = |schema: &Schema, package: &Package| -> HashMap<(Kind, String), MessageId> {
+        let ids = (0..).map(MessageId).zip(&schema.messages);
+        let own = ids.filter(|(_, message)| std::ptr::eq(schema.package_of(message), package));
+        own.map(|(id, message)| ((message.kind, message.name.clone()), id)).collect()
+    };
+    let is_listed = |package: &Package, id: MessageId| {
+        package.messages.contains(&id) || package.interfaces.iter().any(|found| found.parts.contains(&id))
+    };
+    let after = by_name(new, new_package);
+    let pairs = by_name(old, old_package).into_iter().filter_map(|(name, id)| Some((id, *after.get(&name)?)));
+    let mut pairs: Vec<(MessageId, MessageId)> =
+        pairs.filter(|(old, new)| !is_listed(old_package, *old) || !is_listed(new_package, *new)).collect();
+    pairs.sort();
     pairs
 }
 
@@ -210,7 +278,7 @@ impl<'b, 'a> Builder<'b, 'a> {
         let mut decisions = Decisions::default();
         for (at, hint) in self.hints.hints.iter().enumerate() {
             if missing(hint, sides).is_none() {
-                self.found.applied[at] = true;
+                self.found.applied.hints[at] = true;
                 decisions.add(hint, self.is_forward);
             }
         }

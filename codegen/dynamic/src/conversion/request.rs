@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use uavspec_schema::Schema;
 use uavspec_schema::source::{SourceId, SourceMap};
 
-use super::build::{Conversions, Version};
+use super::build::{Applied, Conversions, Version};
 use super::hints::{Hints, Mistake};
 
 /// A request for the conversions between two packages.
@@ -47,7 +47,9 @@ impl Answer {
             let version = |package| Version { schema, package };
             (version(found.old), version(found.new))
         });
-        self.hints.unused(&self.conversions.iter().collect::<Vec<_>>(), &versions.collect::<Vec<_>>())
+        let mut applied = Applied::default();
+        self.conversions.iter().for_each(|found| applied.add(found));
+        self.hints.unused(&applied, &versions.collect::<Vec<_>>())
     }
 }
 

@@ -489,7 +489,7 @@ impl Channel<'_> {
 impl Converted<'_> {
     /// Converts a CDR payload to the payload of a log, and counts the losses.
     fn log_of_cdr(&self, payload: &[u8], losses: &mut [u64]) -> Result<Vec<u8>, String> {
-        let message = self.source.decode_cdr(&decompressed(payload)?).map_err(|error| error.to_string())?;
+        let message = self.source().decode_cdr(&decompressed(payload)?).map_err(|error| error.to_string())?;
         if self.converter.keeps_cdr() {
             return log_payload(&message);
         }

@@ -22,7 +22,7 @@ use super::topic::Topic;
 use super::{Error, Settings};
 use crate::json::{Form, NameKind, Names, ROS, form, starts_like_object};
 use crate::limits::MAX_CHANNELS;
-use crate::{definition_of, definition_of_json, is_flockwave, is_guess, shows_type};
+use crate::{StatedType, definition_of, definition_of_json, is_flockwave, is_guess, shows_type};
 
 /// A topic or a type of the capture.
 struct Channel<'p> {
@@ -255,9 +255,9 @@ impl<'p, 'o> Stream<'p, 'o> {
         let plan = self.plan;
         let source = plan.source();
         // The fields of undefined messages aren't known.
-        let is_other = |target: &Definitions| find((kind, name), evidence, target).is_some();
+        let stated = |target: &Definitions| find((kind, name), evidence, target).map(|_| StatedType::Other);
         let treated = match definition {
-            None => (None, plan.undefined(is_other)),
+            None => (None, plan.undefined(stated)),
             Some(id) => {
                 let first = source.schema.message(id).topics.first().map_or("", String::as_str);
                 let topic = if kind == NameKind::Topic { name } else { first };
@@ -346,9 +346,9 @@ impl Converted<'_> {
         is_rosbridge: bool,
         losses: &mut [u64],
     ) -> Result<Option<String>, String> {
-        let (message, dialects) = decode(tree, self.source, is_rosbridge)?;
+        let (message, dialects) = decode(tree, self.source(), is_rosbridge)?;
         let has_nan = dialects.iter().any(|dialect| dialect == Dialect::BareNan);
-        if !has_nan && self.converter.keeps_cdr() && has_same_names(self.source, self.converter.target()) {
+        if !has_nan && self.converter.keeps_cdr() && has_same_names(self.source(), self.converter.target()) {
             return Ok(None);
         }
         message::write(&self.message(&message, losses)?, dialects).map(Some)

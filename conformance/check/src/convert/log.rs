@@ -13,6 +13,7 @@ use super::Error;
 use super::plan::{Converters, Plan, Treatment};
 use super::report::Problems;
 use super::topic::Topic;
+use crate::StatedType;
 
 /// Receives the parts of a log.
 pub(super) trait Sink<'p> {
@@ -135,13 +136,13 @@ pub(super) fn treatment<'p>(
     let definitions = plan.source();
     let id = definitions.message_of_logged_topic(name).filter(|id| plan.concerns(*id));
     let release = id.and_then(|id| definitions.release_of(id)).map(|release| release.label.clone());
-    let is_other = |target: &Definitions| {
-        let id = target.message_of_logged_topic(name);
-        id.zip(format)
-            .is_some_and(|(id, format)| compare(format, target.types().get(id)) != Comparison::Equal)
+    let stated = |target: &Definitions| {
+        let (id, format) = target.message_of_logged_topic(name).zip(format)?;
+        let is_same = compare(format, target.types().get(id)) == Comparison::Equal;
+        Some(if is_same { StatedType::Same } else { StatedType::Other })
     };
     let treatment = match (format, id) {
-        (_, None) => plan.undefined(is_other),
+        (_, None) => plan.undefined(stated),
         (Some(format), Some(id)) if compare(format, definitions.types().get(id)) != Comparison::Equal => {
             plan.differs(id)
         }

@@ -289,7 +289,7 @@ impl<'p> Stream<'p, '_> {
             let (target, id) = (self.plan.target(), converted.conversion.to);
             let (name, hash) = self.plan.target_type(id);
             let version = target.schema.message(id).version;
-            return Ok(Type { name, text: target.bag_text(id), hash: hash.to_owned(), version });
+            return Ok(Type { name, text: target.bag_text(id), hash, version });
         }
         let definitions = self.plan.source();
         let defined = definitions.message_of_logged_topic(format.name());
@@ -443,9 +443,9 @@ impl Converted<'_> {
     /// Converts a payload of a log to CDR, and counts the losses.
     fn cdr_of_log(&self, payload: &[u8], losses: &mut [u64], buffer: Vec<u8>) -> Result<Vec<u8>, String> {
         if self.converter.keeps_cdr() {
-            return cdr(self.source, payload, buffer);
+            return cdr(self.source(), payload, buffer);
         }
-        let message = self.source.decode_uorb(payload).map_err(|error| error.to_string())?;
+        let message = self.source().decode_uorb(payload).map_err(|error| error.to_string())?;
         let message = self.message(&message, losses)?;
         message.view().to_cdr_in(ByteOrder::LittleEndian, buffer).map_err(|error| error.to_string())
     }

@@ -123,6 +123,7 @@ pub(super) fn convert(
             problems.add(format!("byte {bytes}: {problem}"));
         }
     }
+    plan.check_hints(&stream.converters)?;
     stream.output.finish()?;
     let channels = stream.channels.into_iter().flatten();
     Ok((channels.map(|channel| channel.topic.finish()).collect(), problems))
@@ -229,7 +230,7 @@ impl<'p, 'o> Stream<'p, 'o> {
             Some(converted) => {
                 let target = converted.conversion.to;
                 if !is_json || metadata.contains_key(HASH) {
-                    metadata.insert(HASH.to_owned(), plan.target_type(target).1.to_owned());
+                    metadata.insert(HASH.to_owned(), plan.target_type(target).1);
                 }
                 if is_json { Origin::Json(target, schema) } else { Origin::Target(target) }
             }
@@ -414,7 +415,8 @@ fn content<'s>(plan: &Plan, declarations: &'s Declarations, origin: Origin) -> O
     }
 }
 
-/// The treatment of a channel whose messages have this definition. Also returns the release of its messages.
+/// The treatment of a channel whose messages have this definition. Also returns the release of its messages. A schema that
+/// differs from the definition describes the messages.
 pub(super) fn treatment<'p>(
     plan: &'p Plan,
     declared: &Declared,
@@ -425,19 +427,25 @@ pub(super) fn treatment<'p>(
     let definitions = plan.source();
     let Declared { topic, encoding, metadata, .. } = declared;
     let stated = schema.map(|(name, encoding, text)| (name.as_str(), encoding.as_str(), &**text));
+    let mut of_schema = || match stated {
+        Some((name, "ros2msg", text)) if encoding == "cdr" && !text.is_empty() => {
+            plan.of_schema((name, text), converters)
+        }
+        _ => None,
+    };
     let Some(id) = definition else {
-        let is_other = |target: &Definitions| {
-            let id = definition_of(topic, schema.map(names), target).filter(|_| encoding == "cdr");
-            id.is_some_and(|id| stated_type(stated, metadata, id, target) == StatedType::Other)
+        let compared = |target: &Definitions| {
+            let id = definition_of(topic, schema.map(names), target).filter(|_| encoding == "cdr")?;
+            Some(stated_type(stated, metadata, id, target))
         };
-        return (None, plan.undefined(is_other));
+        return (None, of_schema().unwrap_or_else(|| plan.undefined(compared)));
     };
     if !plan.concerns(id) {
-        return (None, Treatment::Copy);
+        return (None, of_schema().unwrap_or(Treatment::Copy));
     }
     let treatment = match encoding.as_str() {
         "cdr" => match stated_type(stated, metadata, id, definitions) {
-            StatedType::Other => plan.differs(id),
+            StatedType::Other => return (None, of_schema().unwrap_or_else(|| plan.differs(id))),
             // Only the type describes the fields of a CDR message.
             StatedType::Unknown if plan.is_release_unknown(id) => Plan::unknown_release(),
             StatedType::Same | StatedType::Unknown => plan.treatment(id, topic, converters),
@@ -454,7 +462,7 @@ impl Converted<'_> {
     fn cdr<'m>(&self, payload: &'m [u8], losses: &mut [u64]) -> Result<Cow<'m, [u8]>, String> {
         let plain = decompressed(payload)?;
         let order = ByteOrder::of(&plain).map_err(|fault| fault.to_string())?;
-        let message = self.source.decode_cdr(&plain).map_err(|error| error.to_string())?;
+        let message = self.source().decode_cdr(&plain).map_err(|error| error.to_string())?;
         if self.converter.keeps_cdr() {
             return Ok(Cow::Borrowed(payload));
         }

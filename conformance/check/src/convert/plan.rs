@@ -1,4 +1,4 @@
-//! The conversions from the releases of a capture to the target release.
+//! The conversions from the definitions of a capture to the target.
 
 use std::collections::{BTreeMap, HashMap};
 use std::fs;
@@ -8,34 +8,45 @@ use std::sync::Arc;
 
 use uavspec_definitions::PX4_HINTS;
 use uavspec_dynamic::MessageType;
-use uavspec_dynamic::conversion::{Conversion, Conversions, Converter, Hints, Version, read_hints};
+use uavspec_dynamic::conversion::{
+    Applied, Conversion, Conversions, Converter, Hints, Mistake, Version, read_hints,
+};
 use uavspec_model::text::terminal;
-use uavspec_rules::definitions::{Definitions, Family, Library, LoadedRelease, versioned};
+use uavspec_px4::memory::FieldCounts;
+use uavspec_rules::definitions::{
+    Definitions, Family, Library, LoadedRelease, Stated, plain_name, versioned,
+};
 use uavspec_schema::fingerprint::ros_name;
+use uavspec_schema::msg::Dialect;
 use uavspec_schema::source::SourceId;
-use uavspec_schema::{Failure, Message, MessageId, SourceMap};
+use uavspec_schema::{Failure, Form, Message, MessageId, Package, SourceMap};
 
-use crate::topic_of;
+use crate::limits::MAX_BAG_FIELDS;
+use crate::{StatedType, digest, topic_of};
 
-/// The conversions of all messages of a capture's releases.
+/// The conversions of all messages of a capture.
 pub struct Plan {
     source: Arc<Definitions>,
     target: Arc<Definitions>,
-    /// The family of the releases that are converted.
-    family: Family,
-    /// The target release. `None` if the messages keep their types.
-    release: Option<LoadedRelease>,
-    /// True if the user specifies the release of the capture.
+    /// The target. `None` if the messages keep their types.
+    to: Option<To>,
+    /// True if the user specifies the definitions of the capture.
     is_source_named: bool,
+    hints: HintFiles,
     /// The conversions of each package of the source, by its index.
-    packages: BTreeMap<usize, Package>,
+    packages: BTreeMap<usize, Vec<Arc<Conversion>>>,
+    /// The hints that these conversions use.
+    applied: Applied,
 }
 
-/// The conversions of a package.
-struct Package {
-    conversions: Conversions,
-    /// True if the target is newer.
-    is_forward: bool,
+/// The target of a conversion.
+struct To {
+    /// The release, such as `px4@1.16`, or the path of the definitions.
+    label: String,
+    /// The name in text.
+    title: String,
+    /// The release. `None` for definitions at a path.
+    release: Option<LoadedRelease>,
 }
 
 /// The treatment of the messages of a type.
@@ -51,9 +62,27 @@ pub(crate) enum Treatment<'p> {
 
 /// The conversion of the messages of a type.
 pub(crate) struct Converted<'p> {
-    pub(crate) conversion: &'p Conversion,
+    pub(crate) conversion: Arc<Conversion>,
     pub(crate) converter: Converter<'p>,
-    pub(crate) source: MessageType<'p>,
+    source: SourceType<'p>,
+}
+
+/// The type of the messages before the conversion.
+enum SourceType<'p> {
+    /// A type in the definitions of the capture.
+    Defined(MessageType<'p>),
+    /// The type in a schema of the capture.
+    Stated(Arc<Stated>),
+}
+
+impl Converted<'_> {
+    /// The type of the messages before the conversion.
+    pub(crate) fn source(&self) -> MessageType<'_> {
+        match &self.source {
+            SourceType::Defined(ty) => *ty,
+            SourceType::Stated(stated) => stated.root(),
+        }
+    }
 }
 
 /// The compiled conversions of a capture. Topics with the same messages share a conversion, because a bag may have
@@ -63,6 +92,13 @@ pub(super) struct Converters<'p> {
     /// The conversions, by the message of the capture and the two messages of the conversion. A conversion may belong
     /// to a twin of the capture's message.
     by_messages: HashMap<(MessageId, MessageId, MessageId), Rc<Converted<'p>>>,
+    /// The conversions from types in schemas, or the reasons why there is none, by the digest of the schema.
+    by_schema: HashMap<u64, Result<Rc<Converted<'p>>, String>>,
+    /// The number of fields in these types.
+    num_fields: usize,
+    /// The hints that these conversions use, and the mistakes in them.
+    applied: Applied,
+    mistakes: Vec<Mistake>,
 }
 
 /// True if two messages have the same fields and constants.
@@ -76,7 +112,7 @@ fn is_declared_alike(one: &Message, other: &Message) -> bool {
     fields(one) == fields(other) && constants(one) == constants(other)
 }
 
-/// Conversion hints, with the path of the file that contains the user's hints.
+/// Conversion hints, and the file that contains the user's hints.
 struct HintFiles {
     sources: SourceMap,
     hints: Hints,
@@ -101,25 +137,72 @@ impl HintFiles {
         Ok(Self { hints: hints.with(own), sources, own: Some(id) })
     }
 
-    /// Checks the hints. Fails if they contain a mistake, or if one of the user's hints is never used.
-    fn check(&self, found: &[&Conversions], versions: &[(Version<'_>, Version<'_>)]) -> Result<(), Failure> {
-        let mistakes = self.hints.mistakes.iter().chain(found.iter().flat_map(|found| &found.mistakes));
-        let unused = self.hints.unused(found, versions);
+    /// Fails if one of these mistakes is in the user's hints.
+    fn check<'m>(&self, mistakes: impl IntoIterator<Item = &'m Mistake>) -> Result<(), Failure> {
         let is_own = |span| self.own == Some(self.sources.source_of(span));
-        let first = mistakes.cloned().chain(unused).find(|mistake| is_own(mistake.span));
+        let first = mistakes.into_iter().find(|mistake| is_own(mistake.span));
         first.map_or(Ok(()), |mistake| {
             let position = self.sources.position(mistake.span);
             let path = self.sources.path(self.sources.source_of(mistake.span));
             let place = format!("{path}:{}:{}", position.line, position.column);
-            Err(Failure::new(format!("{place}: {}", mistake.message)).with_hint(mistake.help))
+            Err(Failure::new(format!("{place}: {}", mistake.message)).with_hint(&mistake.help))
         })
     }
 }
 
+impl HintFiles {
+    /// The conversions from a package to another. `is_forward` is true if the other package is newer; `None` if this is
+    /// unknown. Adds the hints that are used, and the mistakes in them.
+    fn conversions(
+        &self,
+        from: Version<'_>,
+        to: Version<'_>,
+        is_forward: Option<bool>,
+        applied: &mut Applied,
+        mistakes: &mut Vec<Mistake>,
+    ) -> Vec<Arc<Conversion>> {
+        let mut between = |old, new| {
+            let mut found = Conversions::between(old, new, &self.hints);
+            applied.add(&found);
+            mistakes.append(&mut found.mistakes);
+            found
+        };
+        if is_forward == Some(false) {
+            return between(to, from).backward;
+        }
+        let mut found = between(from, to).forward;
+        if is_forward.is_none() && found.iter().any(|conversion| !conversion.is_decided()) {
+            // The other package may be older.
+            let reversed = between(to, from);
+            for conversion in found.iter_mut().filter(|conversion| !conversion.is_decided()) {
+                let other = reversed.find(conversion.from, conversion.to, false);
+                if let Some(other) = other.filter(|other| other.is_decided()) {
+                    *conversion = Arc::clone(other);
+                }
+            }
+        }
+        found
+    }
+}
+
+impl To {
+    fn new(library: &Library, target: &Definitions) -> Self {
+        let release = target.releases().first().cloned();
+        let label = release.as_ref().map_or_else(|| library.name(), |release| &release.label).to_owned();
+        let title = release.as_ref().map_or_else(|| library.name(), |release| &release.title).to_owned();
+        Self { label, title, release }
+    }
+
+    /// The family of the releases that are converted. Messages that keep their types are PX4 messages.
+    fn family(to: Option<&Self>) -> Family {
+        to.and_then(|to| to.release.as_ref()).map_or(Family::Px4, |release| release.family)
+    }
+}
+
 impl Plan {
-    /// Plans the conversion of captures with the definitions `source` to a release, or without a release to the types that
-    /// the capture already has. `library` contains the fingerprints of all releases. The user's hints take precedence over
-    /// the published hints.
+    /// Plans the conversion of captures with the definitions `source` to the definitions `to`, or without `to` to the types
+    /// that the capture already has. `library` contains the fingerprints of all releases. The user's hints take precedence
+    /// over the published hints.
     pub fn new(
         source: Arc<Definitions>,
         library: &Library,
@@ -127,40 +210,98 @@ impl Plan {
         hints: Option<&Path>,
     ) -> Result<Self, Failure> {
         let target = Arc::clone(to.map_or(&source, Library::base));
-        let release = to.and_then(|_| target.releases().first().cloned());
-        if to.is_some() && release.is_none() {
-            return Err(Failure::new("the target is not a release"));
-        }
-        let family = release.as_ref().map_or(Family::Px4, |release| release.family);
+        let to = to.map(|library| To::new(library, &target));
         let hints = HintFiles::read(hints)?;
-        let mut packages = BTreeMap::new();
-        let mut versions = Vec::new();
+        hints.check(&hints.hints.mistakes)?;
+        let mut plan = Self {
+            is_source_named: source.is_given || library.names_release(To::family(to.as_ref())),
+            source,
+            target,
+            to,
+            hints,
+            packages: BTreeMap::new(),
+            applied: Applied::default(),
+        };
+        plan.add_packages(library)?;
+        if !plan.converts_schemas() {
+            plan.check_hints(&Converters::default())?;
+        }
+        Ok(plan)
+    }
+
+    /// Adds the conversions of all packages. Fails if the user's hints contain a mistake.
+    fn add_packages(&mut self, library: &Library) -> Result<(), Failure> {
+        let (source, target) = (Arc::clone(&self.source), Arc::clone(&self.target));
         for (index, package) in source.schema.packages.iter().enumerate() {
-            let ros_package = &package.ros_package;
-            let twin = match to {
-                Some(_) => target.schema.packages.iter().position(|twin| twin.ros_package == *ros_package),
+            let release = package.messages.first().and_then(|id| source.release_of(*id));
+            let is_converted = match release {
+                Some(release) => self.converts(release.family),
+                None => source.is_given && source.defines(package),
+            };
+            let twin = match &self.to {
+                Some(_) => self.target_package(&package.ros_package),
                 None => Some(index),
             };
-            let first = package.messages.first().and_then(|id| source.release_of(*id));
-            let (Some(twin), Some(from)) = (twin, first.filter(|from| from.family == family)) else {
-                continue;
-            };
-            let index_of = |label: &str| library.index().find(label);
-            let is_forward =
-                release.as_ref().is_none_or(|release| index_of(&from.label) <= index_of(&release.label));
+            let Some(twin) = twin.filter(|_| is_converted) else { continue };
+            let newer = self.to.as_ref().and_then(|to| to.release.as_ref());
+            let order = release.zip(newer).map(|(old, new)| {
+                let index_of = |release: &LoadedRelease| library.index().find(&release.label);
+                index_of(old) <= index_of(new)
+            });
             let before = Version { schema: &source.schema, package: index };
             let after = Version { schema: &target.schema, package: twin };
-            let pair = if is_forward { (before, after) } else { (after, before) };
-            let conversions = Conversions::between(pair.0, pair.1, &hints.hints);
-            versions.push(pair);
-            packages.insert(index, Package { conversions, is_forward });
+            let mut mistakes = Vec::new();
+            let found = self.hints.conversions(before, after, order, &mut self.applied, &mut mistakes);
+            self.hints.check(&mistakes)?;
+            self.packages.insert(index, found);
         }
-        let found: Vec<&Conversions> = packages.values().map(|package| &package.conversions).collect();
-        if !found.is_empty() {
-            hints.check(&found, &versions)?;
+        Ok(())
+    }
+
+    /// True if messages of the releases of this family are converted.
+    fn converts(&self, family: Family) -> bool {
+        match &self.to {
+            Some(To { release: None, .. }) => true,
+            to => To::family(to.as_ref()) == family,
         }
-        let is_source_named = library.names_release(family);
-        Ok(Self { source, target, family, release, is_source_named, packages })
+    }
+
+    /// The package of the target that corresponds to a package of the capture. Packages that only provide nested messages
+    /// don't count.
+    fn target_package(&self, ros_package: &str) -> Option<usize> {
+        let find = |name: &str| {
+            let is_found = |package: &Package| package.ros_package == name && self.target.defines(package);
+            self.target.schema.packages.iter().position(is_found)
+        };
+        self.hints.hints.counterparts(ros_package).find_map(find)
+    }
+
+    /// True if schemas of a capture may describe the messages before the conversion. In PX4's definitions, comments
+    /// contain units and values, so a schema without comments doesn't determine a conversion.
+    fn converts_schemas(&self) -> bool {
+        let is_ros =
+            |package: &Package| package.form == Form::Msg(Dialect::Ros2) && self.target.defines(package);
+        self.to.is_some() && self.target.schema.packages.iter().any(is_ros)
+    }
+
+    /// Fails if one of the user's hints is never used, or contains a mistake. `converters` contains the conversions of a
+    /// finished run.
+    pub(super) fn check_hints(&self, converters: &Converters<'_>) -> Result<(), Failure> {
+        self.hints.check(&converters.mistakes)?;
+        if self.packages.is_empty() && !self.converts_schemas() {
+            return Ok(());
+        }
+        let mut applied = self.applied.clone();
+        applied.merge(&converters.applied);
+        let version = |schema, package| Version { schema, package };
+        // The schemas of the capture aren't known any more, and other packages don't explain the reason.
+        let packages = self.packages.keys().filter(|_| !self.converts_schemas());
+        let versions = packages.filter_map(|at| {
+            let package = &self.source.schema.packages[*at];
+            let twin = self.target_package(&package.ros_package)?;
+            Some((version(&self.source.schema, *at), version(&self.target.schema, twin)))
+        });
+        self.hints.check(&self.hints.hints.unused(&applied, &versions.collect::<Vec<_>>()))
     }
 
     /// The definitions of the capture.
@@ -168,9 +309,12 @@ impl Plan {
         &self.source
     }
 
-    /// The releases of the capture that are converted.
+    /// The releases of the capture that are converted, or the path of its definitions.
     pub(super) fn sources(&self) -> Vec<String> {
-        let releases = self.source.releases().iter().filter(|release| release.family == self.family);
+        if self.source.is_given {
+            return vec![self.source.name.clone()];
+        }
+        let releases = self.source.releases().iter().filter(|release| self.converts(release.family));
         releases.map(|release| release.label.clone()).collect()
     }
 
@@ -181,16 +325,16 @@ impl Plan {
 
     /// True if the messages keep their types.
     pub(super) fn keeps_types(&self) -> bool {
-        self.release.is_none()
+        self.to.is_none()
     }
 
-    /// The label of the target release.
+    /// The target release, or the path of the target's definitions.
     pub(super) fn target_label(&self) -> Option<&str> {
-        self.release.as_ref().map(|release| release.label.as_str())
+        self.to.as_ref().map(|to| to.label.as_str())
     }
 
     fn target_title(&self) -> &str {
-        self.release.as_ref().map_or("", |release| &release.title)
+        self.to.as_ref().map_or("", |to| &to.title)
     }
 
     /// True if the type is part of the conversion.
@@ -203,13 +347,21 @@ impl Plan {
         !self.is_source_named && self.source.is_undecided(id)
     }
 
-    /// The treatment of messages that the source doesn't define. `is_other` is true if the target defines other messages for
-    /// their topic or type.
-    pub(super) fn undefined(&self, is_other: impl FnOnce(&Definitions) -> bool) -> Treatment<'_> {
-        if self.packages.is_empty() || !is_other(&self.target) {
+    /// The treatment of messages that the source doesn't define. `stated` compares their type with the definition of their
+    /// topic or type in the target. It returns `None` if the target defines neither.
+    pub(super) fn undefined(&self, stated: impl FnOnce(&Definitions) -> Option<StatedType>) -> Treatment<'_> {
+        if self.packages.is_empty() && !self.converts_schemas() {
             return Treatment::Copy;
         }
-        Treatment::LeaveOut(format!("only {} defines it", self.target_title()))
+        match stated(&self.target) {
+            Some(StatedType::Other) => {
+                Treatment::LeaveOut(format!("only {} defines it", self.target_title()))
+            }
+            Some(StatedType::Unknown) if self.converts_schemas() => Treatment::LeaveOut(
+                "the capture doesn't contain its definition; specify the definitions with --from".to_owned(),
+            ),
+            _ => Treatment::Copy,
+        }
     }
 
     /// The treatment of messages whose fields differ from the definition of their type.
@@ -236,43 +388,102 @@ impl Plan {
         converters: &mut Converters<'p>,
     ) -> Treatment<'p> {
         let message = self.source.schema.message(id);
-        let Some(Package { conversions, is_forward }) = self.packages.get(&message.package) else {
-            return Treatment::Copy;
-        };
-        let all = if *is_forward { &conversions.forward } else { &conversions.backward };
+        let Some(all) = self.packages.get(&message.package) else { return Treatment::Copy };
         let target = |conversion: &Conversion| self.target.schema.message(conversion.to);
         let name = topic_of(topic);
-        let has_topic = |conversion: &Conversion| target(conversion).topics.iter().any(|known| known == name);
+        let has_topic =
+            |conversion: &Arc<Conversion>| target(conversion).topics.iter().any(|known| known == name);
         // A topic may have another message in the target.
         let find = |id| {
             let found = all.iter().filter(|conversion| conversion.from == id);
             found.max_by_key(|conversion| (has_topic(conversion), target(conversion).name == message.name))
         };
         let twin = || self.twin(message, name).and_then(find).filter(|found| has_topic(found));
-        let Some(conversion) = find(id).or_else(twin) else { return self.without_conversion(message) };
+        let Some(conversion) = find(id).or_else(twin) else {
+            return Treatment::LeaveOut(self.lacks(&message.name));
+        };
         if let Some(reason) = self.undecided(conversion) {
             return Treatment::LeaveOut(reason);
         }
         let compile = || {
             let source = self.source.types().get(id);
             let converter = Converter::new(conversion, source, self.target.types().get(conversion.to));
-            Rc::new(Converted { conversion, converter, source })
+            let conversion = Arc::clone(conversion);
+            Rc::new(Converted { conversion, converter, source: SourceType::Defined(source) })
         };
         let messages = (id, conversion.from, conversion.to);
         Treatment::Convert(Rc::clone(converters.by_messages.entry(messages).or_insert_with(compile)))
     }
 
-    /// The treatment of messages whose type has no conversion. Service events never have a conversion, but most
-    /// services are the same in both releases.
-    fn without_conversion(&self, message: &Message) -> Treatment<'_> {
-        let name = ros_name(&self.source.schema, message);
-        match self.target.message_of_type(&name).map(|id| self.target.schema.message(id)) {
-            Some(twin) if twin.type_hash == message.type_hash => Treatment::Copy,
-            Some(_) => Treatment::LeaveOut("its service fields differ in the target release".to_owned()),
-            None => {
-                Treatment::LeaveOut(format!("{} lacks the message {}", self.target_title(), message.name))
-            }
+    /// The treatment of messages whose type is in this schema of the capture. `None` if the type isn't part of the
+    /// conversion.
+    pub(super) fn of_schema<'p>(
+        &'p self,
+        (name, text): (&str, &[u8]),
+        converters: &mut Converters<'p>,
+    ) -> Option<Treatment<'p>> {
+        let name = &plain_name(name);
+        let (ros_package, _) = name.split_once('/').filter(|_| self.to.is_some())?;
+        let package = self.target_package(ros_package)?;
+        if self.target.schema.packages[package].form != Form::Msg(Dialect::Ros2) {
+            return None;
         }
+        let digest = digest(&(name, text));
+        if !converters.by_schema.contains_key(&digest) {
+            let found = self.from_schema((name, text), package, converters);
+            converters.by_schema.insert(digest, found);
+        }
+        Some(match converters.by_schema.get(&digest)? {
+            Ok(converted) => Treatment::Convert(Rc::clone(converted)),
+            Err(reason) => Treatment::LeaveOut(reason.clone()),
+        })
+    }
+
+    /// Compiles the conversion from the type in a schema to a package of the target. The error is the reason why there is
+    /// none.
+    fn from_schema<'p>(
+        &'p self,
+        (name, text): (&str, &[u8]),
+        package: usize,
+        converters: &mut Converters<'p>,
+    ) -> Result<Rc<Converted<'p>>, String> {
+        let stated = self.source.shared.stated(name, text);
+        let stated = stated.map_err(|problem| format!("its schema is invalid: {problem}"))?;
+        let num_fields = FieldCounts::default().of(stated.root());
+        if num_fields > MAX_BAG_FIELDS - converters.num_fields {
+            return Err("the schemas have too many fields".to_owned());
+        }
+        converters.num_fields += num_fields;
+        let message = stated.schema.message(stated.id);
+        let before = Version { schema: &stated.schema, package: message.package };
+        let after = Version { schema: &self.target.schema, package };
+        let Converters { applied, mistakes, .. } = converters;
+        let found = self.hints.conversions(before, after, None, applied, mistakes);
+        let target = |conversion: &Conversion| self.target.schema.message(conversion.to);
+        let is_same = |conversion: &&Arc<Conversion>| {
+            (&target(conversion).name, target(conversion).kind) == (&message.name, message.kind)
+        };
+        // Messages with similar fields may be unrelated, so only a hint renames a message.
+        let all = || found.iter().filter(|conversion| conversion.from == stated.id);
+        let is_hinted =
+            |conversion: &&Arc<Conversion>| self.hints.hints.renames(&message.name, &target(conversion).name);
+        let conversion = all().find(is_same).or_else(|| all().find(is_hinted));
+        let Some(conversion) = conversion else {
+            let similar = all().next().map(|other| target(other).name.as_str());
+            let similar = similar.map(|name| format!("; if {name} replaces it, write a hint"));
+            return Err(self.lacks(&message.name) + &similar.unwrap_or_default());
+        };
+        if let Some(reason) = self.undecided(conversion) {
+            return Err(reason);
+        }
+        let converter = Converter::new(conversion, stated.root(), self.target.types().get(conversion.to));
+        let conversion = Arc::clone(conversion);
+        Ok(Rc::new(Converted { conversion, converter, source: SourceType::Stated(stated) }))
+    }
+
+    /// The reason to leave out messages that the target lacks.
+    fn lacks(&self, name: &str) -> String {
+        format!("{} lacks the message {name}", self.target_title())
     }
 
     /// Finds a message of the source that has the same declaration as `message`, and the name of the topic's message in
@@ -303,7 +514,9 @@ impl Plan {
 
     /// The name of a topic in the output, if it changes. The names of PX4's topics for ROS 2 end with the version of
     /// the message.
-    pub(super) fn renamed(&self, topic: &str, conversion: &Conversion) -> Option<String> {
+    pub(super) fn renamed(&self, topic: &str, converted: &Converted<'_>) -> Option<String> {
+        let SourceType::Defined(_) = converted.source else { return None };
+        let conversion = &converted.conversion;
         let source = self.source.schema.message(conversion.from);
         let target = self.target.schema.message(conversion.to);
         let name = topic_of(topic);
@@ -336,10 +549,10 @@ impl Plan {
         (name != target).then(|| format!("{package}/{target}"))
     }
 
-    /// The full ROS name and the type hash of a message of the target.
-    pub(super) fn target_type(&self, id: MessageId) -> (String, &str) {
+    /// The full ROS name and the type hash of a message of the target, as captures contain them.
+    pub(super) fn target_type(&self, id: MessageId) -> (String, String) {
         let message = self.target.schema.message(id);
-        (ros_name(&self.target.schema, message), &message.type_hash)
+        (ros_name(&self.target.schema, message), self.target.captured_hash(message))
     }
 }
 

@@ -31,7 +31,7 @@ impl<'p> Topic<'p> {
         match treatment {
             Treatment::Convert(found) => {
                 losses = vec![0; found.conversion.losses.len()];
-                report.renamed = plan.renamed(name, found.conversion);
+                report.renamed = plan.renamed(name, &found);
                 (report.from, report.action) = (from, Action::Converted);
                 converted = Some(found);
             }
@@ -59,7 +59,7 @@ impl<'p> Topic<'p> {
 
     /// The name of the messages' type in the output, if it differs.
     pub(super) fn renamed_type(&self, ty: &str, plan: &Plan) -> Option<String> {
-        self.converted.as_ref().and_then(|converted| plan.renamed_type(ty, converted.conversion))
+        self.converted.as_ref().and_then(|converted| plan.renamed_type(ty, &converted.conversion))
     }
 
     /// Leaves out the messages.

@@ -259,7 +259,7 @@ impl<'p> Sink<'p> for Stream<'p, '_> {
 impl Converted<'_> {
     /// Converts a payload, and counts the losses.
     fn uorb(&self, payload: &[u8], losses: &mut [u64]) -> Result<Vec<u8>, String> {
-        let message = self.source.decode_uorb(payload).map_err(|error| error.to_string())?;
+        let message = self.source().decode_uorb(payload).map_err(|error| error.to_string())?;
         log_payload(&self.message(&message, losses)?)
     }
 }

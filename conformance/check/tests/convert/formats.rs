@@ -65,17 +65,30 @@ fn topic(id: u16, name: &str, fields: &str, data: &[&[u8]]) -> [Vec<(u8, Vec<u8>
 
 /// The content of an MCAP file.
 #[derive(Default)]
-struct Bag {
+pub(super) struct Bag {
     bytes: Vec<u8>,
     /// The types by topic.
-    types: BTreeMap<String, Arc<Stated>>,
+    pub(super) types: BTreeMap<String, Arc<Stated>>,
     /// The times, topics and messages.
-    messages: Vec<(u64, String, Value)>,
+    pub(super) messages: Vec<(u64, String, Value)>,
     metadata: BTreeMap<String, BTreeMap<String, String>>,
 }
 
 impl Bag {
-    fn read(bytes: Vec<u8>) -> Self {
+    /// Reads a file. The channels have the type hashes of their schemas.
+    pub(super) fn read(bytes: Vec<u8>) -> Self {
+        let hash = |name: &str, text: &[u8]| {
+            LIBRARY.base().shared.stated(name, text).expect("a type").type_hash.clone()
+        };
+        Self::read_as(bytes, hash)
+    }
+
+    /// Reads a file whose channels have these type hashes, by type.
+    pub(super) fn read_with(bytes: Vec<u8>, hash: impl Fn(&str) -> String) -> Self {
+        Self::read_as(bytes, |name, _| hash(name))
+    }
+
+    fn read_as(bytes: Vec<u8>, hash: impl Fn(&str, &[u8]) -> String) -> Self {
         let (mut bag, mut schemas, mut topics) = (Self::default(), BTreeMap::new(), BTreeMap::new());
         let mut reader = Reader::new(&*bytes);
         while let Some(item) = reader.next().expect("memory") {
@@ -87,7 +100,8 @@ impl Bag {
                     let (name, text) = &schemas[&schema];
                     let definitions = LIBRARY.base();
                     let stated = definitions.shared.stated(name, text).expect("a type");
-                    assert_eq!(metadata["topic_type_hash"], stated.type_hash, "{name}");
+                    let stored = metadata.get("topic_type_hash").map_or("", String::as_str);
+                    assert_eq!(stored, hash(name, text), "{name}");
                     bag.types.insert(topic.clone(), stated);
                     topics.insert(id, topic);
                 }
@@ -104,7 +118,7 @@ impl Bag {
         Self { bytes, ..bag }
     }
 
-    fn messages(&self, topic: &str) -> Vec<(u64, &Value)> {
+    pub(super) fn messages(&self, topic: &str) -> Vec<(u64, &Value)> {
         let own = self.messages.iter().filter(|(_, known, _)| known == topic);
         own.map(|(time, _, message)| (*time, message)).collect()
     }

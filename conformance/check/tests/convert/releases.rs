@@ -125,10 +125,10 @@ fn a_conversion_and_its_reverse_lose_only_what_they_report() {
 fn parts_and_events_of_services_are_converted() {
     let (from, to) = ("px4@1.17", "px4@1.18");
     let library = release(from);
-    for (part, topic, action) in [
-        ("VehicleCommand_Event", "/fmu/vehicle_command/_service_event", Action::Copied),
-        ("VehicleCommand_Request", "rq/fmu/vehicle_commandRequest", Action::Converted),
-        ("VehicleCommand_Response", "rr/fmu/vehicle_commandReply", Action::Converted),
+    for (part, topic) in [
+        ("VehicleCommand_Event", "/fmu/vehicle_command/_service_event"),
+        ("VehicleCommand_Request", "rq/fmu/vehicle_commandRequest"),
+        ("VehicleCommand_Response", "rr/fmu/vehicle_commandReply"),
     ] {
         let name = format!("px4_msgs/srv/{part}");
         let id = library.base().message_of_type(&name).expect("a part of a service");
@@ -145,12 +145,12 @@ fn parts_and_events_of_services_are_converted() {
         bag.messages.push((channel, 9, payload));
         let (report, output) = converted(&bag.to_bytes(), to, Settings::default());
         let found = report.topics.iter().find(|found| found.topic == topic).expect("the topic");
-        assert_eq!((found.action, &found.reason), (action, &None), "{part}");
+        assert_eq!((found.action, &found.reason), (Action::Converted, &None), "{part}");
         let summary = ::mcap::Summary::read(&output).expect("a summary").expect("a summary");
         let channel = summary.channels.values().find(|channel| channel.topic == topic).expect("a channel");
         let schema = channel.schema.as_ref().expect("a schema");
         assert_eq!(schema.name, name);
-        assert_eq!(schema.data.is_empty(), action == Action::Copied, "{part}");
+        assert!(!schema.data.is_empty(), "{part}");
         let result = checked(&output).result;
         let wrong: Vec<_> = result.findings.groups().map(|group| (group.rule.id, &group.subject)).collect();
         assert!(!wrong.iter().any(|(_, subject)| subject.contains(topic)), "{part}: {wrong:?}");

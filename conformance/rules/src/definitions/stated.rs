@@ -26,8 +26,11 @@ const NO_PACKAGE: &str = "unnamed";
 /// A type with its nested types.
 #[derive(Debug)]
 pub struct Stated {
+    /// The definitions, without comments.
+    pub schema: Schema,
     types: Types,
-    root: MessageId,
+    /// The id of the type in the schema.
+    pub id: MessageId,
     /// The ROS type hash.
     pub type_hash: String,
     /// The value of `MESSAGE_VERSION`, if it is defined.
@@ -70,12 +73,13 @@ impl Stated {
             return Err(format!("{}:{line}: {}", sources.path(source), diagnostic.problem));
         }
         schema.add_derived();
-        let root = root(&schema, name).ok_or("it doesn't define the type in its name")?;
+        let id = root(&schema, name).ok_or("it doesn't define the type in its name")?;
         let stated = Self {
-            root,
-            type_hash: type_hash(&schema, root),
-            version: version(schema.message(root)),
+            id,
+            type_hash: type_hash(&schema, id),
+            version: version(schema.message(id)),
             types: Types::new(&schema),
+            schema,
             added,
         };
         match stated.root().defect() {
@@ -86,7 +90,7 @@ impl Stated {
 
     /// The type of the schema.
     pub fn root(&self) -> MessageType<'_> {
-        self.types.get(self.root)
+        self.types.get(self.id)
     }
 }
 

@@ -11,6 +11,8 @@ use crate::conversion::plan::Narrowing;
 #[derive(Clone, Debug, Default)]
 pub struct Hints {
     pub(in crate::conversion) hints: Vec<Hint>,
+    /// Old and new names of packages.
+    pub(in crate::conversion) packages: Vec<[Key; 2]>,
     /// Mistakes in the file, in line order.
     pub mistakes: Vec<Mistake>,
 }
@@ -20,8 +22,28 @@ impl Hints {
     #[must_use]
     pub fn with(mut self, other: Self) -> Self {
         self.hints.extend(other.hints);
+        self.packages.extend(other.packages);
         self.mistakes.extend(other.mistakes);
         self
+    }
+
+    /// True if a hint says that a message has another name in the other package. The hint may have either order.
+    pub fn renames(&self, one: &str, other: &str) -> bool {
+        let is_pair = |hint: &Hint| {
+            let [old, new] = &hint.messages;
+            (old.text == one && new.text == other) || (old.text == other && new.text == one)
+        };
+        self.hints.iter().any(is_pair)
+    }
+
+    /// The names that a package may have in the other version, the most likely first: its new name, its old name, or the
+    /// same name.
+    pub fn counterparts<'n>(&'n self, package: &'n str) -> impl Iterator<Item = &'n str> {
+        let names = |from: usize, to: usize| {
+            let pairs = self.packages.iter().filter(move |pair| pair[from].text == package);
+            pairs.map(move |pair| pair[to].text.as_str())
+        };
+        names(0, 1).chain(names(1, 0)).chain([package])
     }
 }
 

@@ -25,9 +25,10 @@ pub fn read(sources: &SourceMap, source: SourceId) -> Hints {
         reader.mistake(span, error.message().to_owned(), "correct the TOML syntax");
     }
     // Skip a partly parsed file, which would only cause further errors.
-    let hints = if errors.is_empty() { reader.file(table.get_ref()) } else { Vec::new() };
+    let mut hints = if errors.is_empty() { reader.file(table.get_ref()) } else { Hints::default() };
     reader.mistakes.sort_by_key(|mistake| mistake.span);
-    Hints { hints, mistakes: reader.mistakes }
+    hints.mistakes = reader.mistakes;
+    hints
 }
 
 struct Reader {
@@ -58,19 +59,23 @@ impl Reader {
         );
     }
 
-    fn file(&mut self, table: &DeTable<'_>) -> Vec<Hint> {
-        let mut hints = Vec::new();
+    fn file(&mut self, table: &DeTable<'_>) -> Hints {
+        let mut hints = Hints::default();
         for (key, value) in table {
+            if key.get_ref() == "packages" {
+                hints.packages = self.pairs("packages", value);
+                continue;
+            }
             let tables = value.get_ref().as_array().filter(|_| key.get_ref() == "hint");
             let Some(tables) = tables else {
                 let message = format!("unknown key `{}`", key.get_ref());
                 let span = self.span(key.span());
-                self.mistake(span, message, "start each hint with `[[hint]]`");
+                self.mistake(span, message, "write `[[hint]]`, or `[packages]` for packages with a new name");
                 continue;
             };
             for value in tables {
                 match value.get_ref().as_table() {
-                    Some(table) => hints.extend(self.hint(self.span(value.span()), table)),
+                    Some(table) => hints.hints.extend(self.hint(self.span(value.span()), table)),
                     None => self.mistyped("hint", "a table", value),
                 }
             }
