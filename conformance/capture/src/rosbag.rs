@@ -1,7 +1,10 @@
-//! Reads the bags of rosbag2 that are not MCAP files: `SQLite` files, and the `metadata.yaml` of a bag's folder.
+//! Reads and writes the bags of rosbag2 that are not MCAP files: `SQLite` files, and the `metadata.yaml` of a bag's folder.
 
 pub mod metadata;
 pub mod sqlite;
+mod writer;
+
+pub use self::writer::{BagContent, FileContent, Writer, portable_qos};
 
 /// The first bytes of `SQLite` files.
 pub const SQLITE_MAGIC: [u8; 16] = *b"SQLite format 3\0";

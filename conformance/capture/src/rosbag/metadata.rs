@@ -17,16 +17,16 @@ use crate::names::is_bag;
 pub const FILE_NAME: &str = "metadata.yaml";
 
 /// The key of the only entry of the file.
-const ROOT: &str = "rosbag2_bagfile_information";
+pub(super) const ROOT: &str = "rosbag2_bagfile_information";
 
 /// The key of the list of topics.
-const TOPICS: &str = "topics_with_message_count";
+pub(super) const TOPICS: &str = "topics_with_message_count";
 
 /// The texts that identify the metadata of a bag. At least one of them is expected, even if parts are corrupt.
 const MARKS: [&str; 3] = [ROOT, TOPICS, FILES];
 
 /// The key of the list of files.
-const FILES: &str = "relative_file_paths";
+pub(super) const FILES: &str = "relative_file_paths";
 
 /// The maximum number of problems that are kept.
 const MAX_PROBLEMS: usize = 10;

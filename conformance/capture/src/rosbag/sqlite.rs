@@ -18,6 +18,7 @@ use std::fmt::Write as _;
 use std::fs::{self, File};
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::io::Read as _;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -113,6 +114,8 @@ pub struct Topic {
     pub encoding: String,
     /// The type hash; empty if the bag contains none.
     pub hash: String,
+    /// The quality of service of the publishers, in YAML; empty if the bag contains none.
+    pub qos: String,
 }
 
 /// The definition of a type, with the definitions of its nested types.
@@ -257,10 +260,10 @@ impl Bag {
     /// Passes the topics to `take`.
     pub fn topics(&self, mut take: impl FnMut(Topic)) -> Result<(), Problem> {
         let columns = ["id", "name", "type", "serialization_format"];
-        self.rows("topics", &columns, &["type_description_hash"], |row| {
+        self.rows("topics", &columns, &["type_description_hash", "offered_qos_profiles"], |row| {
             let id = row.get_ref(0)?.as_i64().unwrap_or_default();
             let (topic, ty, encoding) = (name(row, 1)?, name(row, 2)?, name(row, 3)?);
-            take(Topic { id, name: topic, ty, encoding, hash: name(row, 4)? });
+            take(Topic { id, name: topic, ty, encoding, hash: name(row, 4)?, qos: text(row, 5)? });
             Ok(())
         })
     }
@@ -304,9 +307,12 @@ impl Bag {
         Ok(())
     }
 
-    /// Passes the messages to `take`, by time and then by row, as rosbag2 plays them. A corrupt index of the times could
-    /// hide messages, so it is compared with the table.
-    pub fn messages(&self, mut take: impl FnMut(Message<'_>)) -> Result<(), Problem> {
+    /// Passes the messages to `take`, by time and then by row, as rosbag2 plays them, until it breaks. A corrupt index of
+    /// the times could hide messages, so it is compared with the table.
+    pub fn messages(
+        &self,
+        mut take: impl FnMut(Message<'_>) -> ControlFlow<()>,
+    ) -> Result<(), Problem> {
         let columns = self.columns(MESSAGES)?;
         for column in ["topic_id", "timestamp", "data"] {
             require(&columns, MESSAGES, column)?;
@@ -325,7 +331,7 @@ impl Bag {
                 let mut count = 0_u64;
                 let mut counted = |message: Message<'_>| {
                     count += 1;
-                    take(message);
+                    take(message)
                 };
                 let result = self.messages_in(BY_TIME, &mut counted);
                 if result.is_err() && count == 0 {
@@ -371,7 +377,11 @@ impl Bag {
     }
 
     /// Passes messages to `take`. `from` is the rest of the query, after `FROM`.
-    fn messages_in(&self, from: &str, take: &mut dyn FnMut(Message<'_>)) -> Result<(), Problem> {
+    fn messages_in(
+        &self,
+        from: &str,
+        take: &mut dyn FnMut(Message<'_>) -> ControlFlow<()>,
+    ) -> Result<(), Problem> {
         self.used.store(0, Ordering::Relaxed);
         let query = format!("SELECT rowid, topic_id, timestamp FROM {from}");
         let mut statement = self.connection.prepare(&query)?;
@@ -387,11 +397,10 @@ impl Bag {
             if total > self.size {
                 return Err(too_many());
             }
-            take(Message {
-                topic,
-                time: u64::try_from(time).unwrap_or_default(),
-                payload: payload.map(|()| &buffer[..]),
-            });
+            let time = u64::try_from(time).unwrap_or_default();
+            if take(Message { topic, time, payload: payload.map(|()| &buffer[..]) }).is_break() {
+                break;
+            }
         }
         Ok(())
     }

@@ -1,6 +1,7 @@
 //! Passes the content of a file to the checks of its channels.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::ops::ControlFlow;
 
 use uavspec_capture::rosbag::sqlite::{Bag, Definition, Facts, Message, Problem, Topic};
 use uavspec_model::{Extent, Location};
@@ -68,7 +69,10 @@ impl<'c, 'd> SqliteFile<'c, 'd> {
         for topic in topics {
             self.topic(topic);
         }
-        let result = database.messages(|message| self.message(message));
+        let result = database.messages(|message| {
+            self.message(message);
+            ControlFlow::Continue(())
+        });
         self.report(result);
         if !self.bag.has_gaps() {
             self.report(database.check_structure());
@@ -97,7 +101,7 @@ impl<'c, 'd> SqliteFile<'c, 'd> {
 
     fn topic(&mut self, topic: Topic) {
         let schema = self.schemas.of(&topic).copied();
-        let Topic { id, name, ty, encoding, hash } = topic;
+        let Topic { id, name, ty, encoding, hash, .. } = topic;
         let location = Location::Channel(id.unsigned_abs());
         if self.channels.contains_key(&id) {
             let text = format!("topic {id} is declared again; the first declaration is used");
