@@ -217,10 +217,55 @@ pub fn write_file<T, E: From<io::Error>>(
         Err(_) if !path.is_symlink() => path.to_path_buf(),
         _ => return fill(File::create(path)?),
     };
-    let permissions = fs::metadata(&path).ok().map(|metadata| metadata.permissions());
-    let stage = Stage::new(folder_of(&path))?;
+    replace(&path, |staged| fill(staged.as_file().try_clone()?))
+}
+
+/// Like [`write_file`], for content that isn't written from start to end: `content` gets the path of an empty file.
+///
+/// # Errors
+/// Also fails if the path is a pipe or a device.
+pub fn write_at<T, E: From<io::Error>>(
+    path: &Path,
+    content: impl FnOnce(&Path) -> Result<T, E>,
+) -> Result<T, E> {
+    let path = match fs::metadata(path) {
+        Ok(metadata) if metadata.is_file() => fs::canonicalize(path)?,
+        Err(_) if !path.is_symlink() => path.to_path_buf(),
+        _ => return Err(io::Error::new(ErrorKind::InvalidInput, "it is not an ordinary file").into()),
+    };
+    replace(&path, |staged| content(staged.path()))
+}
+
+/// Creates a folder in one step. `content` fills a temporary folder.
+///
+/// # Errors
+/// Also fails if the path exists.
+pub fn write_folder<T, E: From<io::Error>>(
+    path: &Path,
+    content: impl FnOnce(&Path) -> Result<T, E>,
+) -> Result<T, E> {
+    let exists = || io::Error::new(ErrorKind::AlreadyExists, "it already exists");
+    if fs::symlink_metadata(path).is_ok() {
+        return Err(exists().into());
+    }
+    let stage = Stage::new(folder_of(path))?;
+    let staged = stage.path().join("content");
+    fs::create_dir(&staged)?;
+    let result = content(&staged)?;
+    // Replacing an empty folder that appeared meanwhile would be harmless.
+    fs::rename(&staged, path)?;
+    Ok(result)
+}
+
+/// Replaces a file, or creates it. `content` fills a temporary file.
+fn replace<T, E: From<io::Error>>(
+    path: &Path,
+    content: impl FnOnce(&NamedTempFile) -> Result<T, E>,
+) -> Result<T, E> {
+    let permissions = fs::metadata(path).ok().map(|metadata| metadata.permissions());
+    let stage = Stage::new(folder_of(path))?;
     let staged = stage.file(permissions)?;
-    let result = fill(staged.as_file().try_clone()?)?;
+    let result = content(&staged)?;
     staged.persist(path).map_err(io::Error::from)?;
     Ok(result)
 }

@@ -36,7 +36,7 @@ use uavspec_schema::{MessageId, derived_from};
 
 pub use self::cdr::decompressed;
 use self::cdr::{CdrChecker, TypeSource};
-pub(super) use self::clues::recording as recording_clues;
+pub(super) use self::clues::{recording as recording_clues, stated_distribution};
 pub(super) use self::folder::{check_folder, clues as folder_clues};
 pub(super) use self::mcap::KIND as MCAP;
 pub use self::mcap::{LiveBag, check_mcap};
@@ -45,7 +45,7 @@ pub use self::network::{BusEndpoint, BusTopic};
 pub use self::open::{BagChannel, Basis, ChannelResult, CheckStatus};
 use self::open::{Identity, Open, Reading};
 use self::schemas::{ComparedSchema, Schemas};
-pub(super) use self::sqlite::{CopiedFile, ROS1, SQLITE, copy};
+pub(super) use self::sqlite::{CopiedFile, ROS1, SQLITE, copy, definitions_of};
 pub use self::summary::{BagSummary, McapSummary};
 use super::coverage::{Parts, Share, Unit};
 use super::release::{ReleaseMatch, release_matches};

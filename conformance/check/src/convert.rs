@@ -1,11 +1,12 @@
 //! Converts the messages of a capture to other definitions, or to another format.
 
+mod bag;
 mod bag_to_log;
+mod folder;
 mod information;
 mod json;
 mod log;
 mod log_to_bag;
-mod mcap;
 mod plan;
 mod report;
 mod ros;
@@ -17,9 +18,14 @@ use std::path::Path;
 
 use serde::Serialize;
 use tempfile::SpooledTempFile;
+use uavspec_capture::rosbag::sqlite;
 use uavspec_schema::Failure;
 
+use self::bag::{Source, Target};
+pub use self::folder::{convert_folder, file_names};
+use self::plan::Converters;
 pub use self::plan::Plan;
+use self::report::Problems;
 pub use self::report::{Action, ConversionReport, Loss, TopicReport};
 use crate::Opened;
 
@@ -35,6 +41,9 @@ pub enum Format {
     /// An MCAP file.
     #[serde(rename = "MCAP")]
     Bag,
+    /// A `SQLite` file of rosbag2.
+    #[serde(rename = "SQLite")]
+    Database,
 }
 
 impl Format {
@@ -44,6 +53,7 @@ impl Format {
             "JSON" => Ok(Self::Json),
             "ULog" => Ok(Self::Log),
             "MCAP" => Ok(Self::Bag),
+            "rosbag2" => Ok(Self::Database),
             other => Err(Error::format(other)),
         }
     }
@@ -54,6 +64,7 @@ impl Format {
             Self::Json => "JSON",
             Self::Log => "ULog",
             Self::Bag => "MCAP",
+            Self::Database => "SQLite",
         }
     }
 }
@@ -82,7 +93,7 @@ impl Error {
     /// The error for a format that can't be converted.
     fn format(name: &str) -> Self {
         Self::Input(format!(
-            "captures in the format {name} can't be converted; expected MCAP, ULog or JSON messages"
+            "captures in the format {name} can't be converted; expected MCAP, SQLite, ULog or JSON messages"
         ))
     }
 }
@@ -99,31 +110,74 @@ impl From<io::Error> for Error {
     }
 }
 
+/// Where a conversion writes its result.
+pub enum Output<'o> {
+    /// A stream, for all formats but `SQLite`.
+    Stream(&'o mut dyn Write),
+    /// An empty file that becomes a `SQLite` file.
+    Database(&'o Path),
+    /// An empty folder that becomes a bag, with a file for each file of a folder that is converted.
+    Folder(&'o Path),
+}
+
 /// Converts a capture, and writes the result to `output`.
 pub fn convert(
     (path, opened): (&Path, Opened<'_>),
     plan: &Plan,
     settings: Settings,
-    output: &mut dyn Write,
+    output: Output<'_>,
 ) -> Result<ConversionReport, Error> {
     let format = Format::of(&opened)?;
     let to = settings.format.unwrap_or(format);
-    let Opened { bytes, state, .. } = opened;
-    let (topics, mut problems) = match (format, to) {
-        (Format::Json, Format::Json) => json::convert(bytes, plan, settings, output)?,
-        (Format::Log, Format::Log) => ulog::convert(bytes, plan, settings, output)?,
-        (Format::Bag, Format::Bag) => mcap::convert(bytes, plan, settings, output)?,
-        (Format::Log, Format::Bag) => log_to_bag::convert(bytes, plan, settings, output)?,
-        (Format::Bag, Format::Log) => bag_to_log::convert(bytes, plan, settings, output)?,
-        (from, to) => {
+    let Opened { bytes, database, state, .. } = opened;
+    let mut problems = Problems::default();
+    let database = database.map(|file| file.open(&mut |problem| problems.add(problem))).transpose();
+    let database = database.map_err(Error::Input)?;
+    let shared = &plan.source().shared;
+    let source = |bytes| Source { bytes, database: database.as_ref(), shared, encodings: None };
+    let (topics, found) = match (format, to, output) {
+        (Format::Json, Format::Json, Output::Stream(output)) => json::convert(bytes, plan, settings, output)?,
+        (Format::Log, Format::Log, Output::Stream(output)) => ulog::convert(bytes, plan, settings, output)?,
+        (Format::Log, Format::Bag, Output::Stream(output)) => {
+            log_to_bag::convert(bytes, plan, settings, output)?
+        }
+        (Format::Bag | Format::Database, Format::Log, Output::Stream(output)) => {
+            bag_to_log::convert(source(bytes), plan, settings, output)?
+        }
+        (Format::Bag | Format::Database, Format::Bag | Format::Database, output) => {
+            let is_decompressed = (format, to) != (Format::Bag, Format::Bag);
+            let mut converters = Converters::default();
+            let mut target = Target::new(output);
+            let mut problems = Problems::default();
+            target.distribution = distribution(plan, database.as_ref()).unwrap_or_default();
+            let settings = (plan, settings, is_decompressed);
+            let topics = bag::convert(source(bytes), settings, &mut target, &mut converters, &mut problems)?;
+            plan.check_hints(&converters)?;
+            target.finish(&mut problems)?;
+            (topics, problems)
+        }
+        (from, to, _) => {
             let reason = format!("{} can't be converted to {}", from.name(), to.name());
             return Err(Error::Input(reason));
         }
     };
+    problems.merge(found);
     if let Some(change) = state.and_then(|state| state.change(path)) {
         problems.add(change);
     }
     Ok(ConversionReport::new(path, plan, (format, to), topics, problems))
+}
+
+/// The ROS distribution whose definitions are the target.
+fn target_distribution(plan: &Plan) -> Option<String> {
+    plan.target_label()?.strip_prefix("ros2@").map(str::to_owned)
+}
+
+/// The ROS distribution of the messages from a database: the target, or the distribution of the database. MCAP files have a
+/// record with the distribution, which is copied.
+fn distribution(plan: &Plan, database: Option<&sqlite::Bag>) -> Option<String> {
+    let database = database?;
+    target_distribution(plan).or_else(|| Some(database.distribution()))
 }
 
 /// The data that was written to a temporary file, from its start.

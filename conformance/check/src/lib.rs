@@ -57,6 +57,7 @@ pub use self::bag::{
     BagChannel, BagSummary, Basis, BusEndpoint, BusTopic, ChannelResult, CheckStatus, HASH, LiveBag,
     McapSummary, StatedType, check_mcap, decompressed, digest, stated_type,
 };
+pub(crate) use self::bag::{definitions_of, stated_distribution};
 pub use self::clock::Clock;
 use self::coverage::Parts;
 pub use self::coverage::{Coverage, Part, PartResult, Share, Unit};
@@ -67,7 +68,7 @@ pub use self::flockwave::{FlockwaveSummary, TypeCount, UnreadTimes};
 pub use self::json::{JsonSummary, check_json};
 pub use self::log::{Format, FormatResult, LogSummary, check_ulog};
 pub use self::observer::Observer;
-pub use self::open::{Opened, open_path};
+pub use self::open::{Database, Opened, OpenedFolder, open_folder, open_path};
 use self::release::Ahead;
 pub use self::release::{OtherRelease, ReleaseMatch};
 use self::run::{CheckRun, Logged, microseconds};
@@ -127,7 +128,7 @@ pub fn choose_for_path(path: &Path, library: &Library) -> io::Result<Arc<Definit
 }
 
 /// Wraps an input before it is read, for example to show progress.
-pub(crate) type Reading<'r> = &'r dyn Fn(Box<dyn Read + Send>) -> Box<dyn Read + Send>;
+pub type Reading<'r> = &'r dyn Fn(Box<dyn Read + Send>) -> Box<dyn Read + Send>;
 
 /// All kinds of captures, in the order of detection.
 static KINDS: [Kind; 6] = [log::ENCRYPTED, log::KIND, bag::MCAP, bag::SQLITE, bag::ROS1, json::KIND];

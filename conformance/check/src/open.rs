@@ -1,15 +1,19 @@
 //! Opens a capture for programs that read its records themselves.
 
 use std::io::{self, Cursor, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use uavspec_capture::ENCRYPTED_MAGIC;
 use uavspec_capture::input::{self, FileState};
+use uavspec_capture::rosbag::CONVERT_ROS1;
+use uavspec_capture::rosbag::metadata::{self, FILE_NAME, Metadata};
+use uavspec_capture::rosbag::sqlite::Bag;
 use uavspec_rules::definitions::{Definitions, Library};
 
+use super::bag::{CopiedFile, ROS1, SQLITE, copy, folder_clues};
 use super::log::ENCRYPTED_TEXT;
-use super::{KINDS, Reading, choose, read_start, unknown_type};
+use super::{KINDS, Kind, Reading, choose, read_start, unknown_type};
 
 /// A capture with the definitions of the release that it matches.
 pub struct Opened<'b> {
@@ -19,8 +23,69 @@ pub struct Opened<'b> {
     pub definitions: Arc<Definitions>,
     /// All bytes, decompressed.
     pub bytes: Box<dyn Read + Send + 'b>,
+    /// The `SQLite` file that contains these bytes, because such a file isn't read from start to end. `None` for other
+    /// formats.
+    pub database: Option<Database>,
     /// The state of the file before the file was opened, if the capture is a file.
     pub state: Option<FileState>,
+}
+
+/// The folder of a bag, with the definitions of the release that it matches.
+pub struct OpenedFolder {
+    /// The definitions.
+    pub definitions: Arc<Definitions>,
+    pub(crate) metadata: Metadata,
+}
+
+/// Opens the folder of a bag. The inner error is the reason why it can't be read.
+pub fn open_folder(folder: &Path, library: &Library) -> io::Result<Result<OpenedFolder, String>> {
+    let Some(metadata) = Metadata::read(folder)? else {
+        return Ok(Err(format!("its {FILE_NAME} isn't the metadata of a rosbag2 bag")));
+    };
+    let clues = || folder_clues(folder, library.shared());
+    let definitions = library.choose(&library.depends_on_capture().then(clues).unwrap_or_default());
+    Ok(Ok(OpenedFolder { definitions, metadata }))
+}
+
+impl OpenedFolder {
+    /// Opens a file of the bag. The inner error is the reason why it can't be read.
+    pub(crate) fn open(
+        &self,
+        path: &Path,
+        reading: Reading<'_>,
+    ) -> io::Result<Result<Opened<'static>, String>> {
+        let file = input::up_to_end(metadata::open(path)?)?;
+        open_file((path, Box::new(file)), reading, |_, _, _| (Arc::clone(&self.definitions), Vec::new()))
+    }
+}
+
+/// A `SQLite` file.
+pub struct Database(DatabaseFile);
+
+enum DatabaseFile {
+    Original(PathBuf),
+    /// A copy of a compressed file, or of a pipe.
+    Copy(CopiedFile),
+}
+
+impl Database {
+    fn path(&self) -> &Path {
+        match &self.0 {
+            DatabaseFile::Original(path) => path,
+            DatabaseFile::Copy(copy) => copy.path(),
+        }
+    }
+
+    /// Opens the file. Passes the problems that don't prevent reading to `report`. The error is the reason why the file can't
+    /// be read.
+    pub(crate) fn open(self, report: &mut dyn FnMut(String)) -> Result<Bag, String> {
+        let (bag, problems) = Bag::open(self.path()).map_err(|problem| problem.text)?;
+        problems.into_iter().for_each(|problem| report(problem.text));
+        if let DatabaseFile::Copy(copy) = &self.0 {
+            copy.hide();
+        }
+        Ok(bag)
+    }
 }
 
 /// Opens a capture. The inner error is the reason why it can't be read.
@@ -29,8 +94,17 @@ pub fn open_path(
     library: &Library,
     reading: Reading<'_>,
 ) -> io::Result<Result<Opened<'static>, String>> {
+    open_file((path, input::open(path)?), reading, |kind, bytes, file| choose(kind, bytes, file, library))
+}
+
+/// Opens a file. `choose` returns the definitions, and the bytes that it reads.
+fn open_file(
+    (path, file): (&Path, Box<dyn Read + Send>),
+    reading: Reading<'_>,
+    choose: impl FnOnce(&Kind, &mut dyn Read, Option<&Path>) -> (Arc<Definitions>, Vec<u8>),
+) -> io::Result<Result<Opened<'static>, String>> {
     let state = FileState::of(path);
-    let (mut bytes, is_plain) = input::decompressed(reading(input::open(path)?))?;
+    let (mut bytes, is_plain) = input::decompressed(reading(file))?;
     let file = state.filter(|_| is_plain).map(|_| path);
     let start = read_start(&mut bytes)?;
     let Some(kind) = KINDS.iter().find(|kind| (kind.detect)(&start)) else {
@@ -39,8 +113,22 @@ pub fn open_path(
     if start.starts_with(&ENCRYPTED_MAGIC) {
         return Ok(Err(ENCRYPTED_TEXT.to_owned()));
     }
+    if (ROS1.detect)(&start) {
+        return Ok(Err(CONVERT_ROS1.to_owned()));
+    }
+    let is_database = (SQLITE.detect)(&start);
     let mut whole = Cursor::new(start).chain(bytes);
-    let (definitions, ahead) = choose(kind, &mut whole, file, library);
+    let database = match file.filter(|_| is_database) {
+        Some(file) => Some(DatabaseFile::Original(file.to_path_buf())),
+        None if is_database => match copy(&mut whole) {
+            (Some(copied), None) => Some(DatabaseFile::Copy(copied)),
+            (_, problem) => return Ok(Err(problem.map(|(_, text)| text).unwrap_or_default())),
+        },
+        None => None,
+    };
+    let database = database.map(Database);
+    let file = database.as_ref().map(Database::path).or(file);
+    let (definitions, ahead) = choose(kind, &mut whole, file);
     let bytes = Box::new(Cursor::new(ahead).chain(whole));
-    Ok(Ok(Opened { kind: kind.name, definitions, bytes, state }))
+    Ok(Ok(Opened { kind: kind.name, definitions, bytes, database, state }))
 }

@@ -41,9 +41,11 @@ pub fn definition_of(
     if let Some(id) = definitions.message_of_type(&name) {
         return Some(id);
     }
+    // rosbag2 writes no encoding if it can't find the definition.
+    let is_ros = |name: &str| ["/msg/", "/srv/", "/action/"].iter().any(|folder| name.contains(folder));
     let last = name.rsplit(['/', '.']).next().unwrap_or(&name);
     let has_name = |id: &MessageId| definitions.schema.message(*id).name == last;
-    if encoding.starts_with("ros2") {
+    if encoding.starts_with("ros2") || encoding.is_empty() && is_ros(&name) {
         // Vendors rename the package of PX4's messages. Outside of PX4's folders, such a type is unrelated: many
         // packages have an `Event`.
         return by_topic().filter(|id| has_name(id) && is_exchanged(topic));

@@ -15,7 +15,7 @@ use std::path::Path;
 use std::sync::{Arc, LazyLock, Mutex, OnceLock, PoisonError};
 
 use tempfile::TempDir;
-use uavspec_check::convert::{Action, ConversionReport, Error, Plan, Settings, convert};
+use uavspec_check::convert::{Action, ConversionReport, Error, Output, Plan, Settings, convert};
 use uavspec_check::{Checked, check_path, open_path};
 use uavspec_rules::definitions::{Definitions, Library};
 use uavspec_rules::sample::{Bag, Flight};
@@ -123,7 +123,7 @@ fn try_converted(
     let opened = open_path(&path, library, &|input| input).expect("a file").expect("a capture");
     let plan = plan(&opened.definitions, library, to);
     let mut output = Vec::new();
-    let report = convert((&path, opened), &plan, settings, &mut output)?;
+    let report = convert((&path, opened), &plan, settings, Output::Stream(&mut output))?;
     Ok((report, output))
 }
 
@@ -299,7 +299,8 @@ fn a_bag_that_grows_is_converted_up_to_its_end_at_the_start() {
     };
     let opened = open_path(&path, &LIBRARY, &extend).expect("a file").expect("a capture");
     let (plan, mut output) = (plan(&opened.definitions, &LIBRARY, "px4@1.17"), Vec::new());
-    let report = convert((&path, opened), &plan, Settings::default(), &mut output).expect("a conversion");
+    let report = convert((&path, opened), &plan, Settings::default(), Output::Stream(&mut output))
+        .expect("a conversion");
     assert!(whole.is_complete() && !report.is_complete());
     let [problem] = &report.problems[..] else { panic!("{:?}", report.problems) };
     assert!(problem.starts_with("the file grew from "), "{problem}");

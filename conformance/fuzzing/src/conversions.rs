@@ -7,7 +7,7 @@ use std::sync::{Arc, LazyLock};
 use uavspec_capture::mcap::{Event, Reader};
 use uavspec_capture::{MCAP_MAGIC, ULOG_MAGIC, ulog};
 use uavspec_check::Opened;
-use uavspec_check::convert::{Action, ConversionReport, Format, Plan, Settings, convert};
+use uavspec_check::convert::{Action, ConversionReport, Format, Output, Plan, Settings, convert};
 use uavspec_rules::definitions::Library;
 use uavspec_rules::sample::{Bag, Flight};
 use uavspec_schema::Failure;
@@ -47,9 +47,10 @@ pub(super) fn log(data: &[u8]) {
     let change = |kind, data: &[u8], format| {
         let mut output = Vec::new();
         let bytes: Box<dyn Read + Send> = Box::new(Cursor::new(data.to_vec()));
-        let opened = Opened { kind, definitions: Arc::clone(SOURCE.base()), bytes, state: None };
+        let opened =
+            Opened { kind, definitions: Arc::clone(SOURCE.base()), bytes, database: None, state: None };
         let settings = Settings { format: Some(format), ..Settings::default() };
-        let report = convert((Path::new("fuzz"), opened), &SAME, settings, &mut output);
+        let report = convert((Path::new("fuzz"), opened), &SAME, settings, Output::Stream(&mut output));
         (report.unwrap_or_else(|error| panic!("{error:?}")), output)
     };
     let (report, bag) = change("ULog", data, Format::Bag);
@@ -98,8 +99,9 @@ pub(super) fn mcap(data: &[u8]) {
 
 fn converted<'b>(bytes: Box<dyn Read + Send + 'b>, settings: Settings) -> (ConversionReport, Vec<u8>) {
     let mut output = Vec::new();
-    let opened = Opened { kind: "MCAP", definitions: Arc::clone(SOURCE.base()), bytes, state: None };
-    let report = convert((Path::new("fuzz.mcap"), opened), &PLAN, settings, &mut output);
+    let opened =
+        Opened { kind: "MCAP", definitions: Arc::clone(SOURCE.base()), bytes, database: None, state: None };
+    let report = convert((Path::new("fuzz.mcap"), opened), &PLAN, settings, Output::Stream(&mut output));
     (report.unwrap_or_else(|error| panic!("{error:?}")), output)
 }
 

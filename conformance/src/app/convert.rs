@@ -6,14 +6,17 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
-use uavspec_check::convert::{Action, ConversionReport, Error, Format, Plan, Settings, convert};
-use uavspec_check::{Opened, open_path};
-use uavspec_model::text::terminal;
-use uavspec_rules::definitions::Library;
+use uavspec_capture::input::Input;
+use uavspec_capture::rosbag::metadata::folder_of;
+use uavspec_check::convert::{
+    Action, ConversionReport, Error, Format, Output, Plan, Settings, convert, convert_folder, file_names,
+};
+use uavspec_check::{open_folder, open_path};
+use uavspec_rules::definitions::{Definitions, Library};
 use uavspec_schema::Failure;
-use uavspec_schema::stage::write_file;
+use uavspec_schema::stage::{write_at, write_file, write_folder};
 
-use super::outputs::{self, Inputs, Output};
+use super::outputs::{self, Inputs, Output as NamedOutput};
 use super::progress::Progress;
 use super::report::print_result;
 use super::{Exit, Format as ReportFormat, Status, uninterruptible, unreadable};
@@ -114,38 +117,46 @@ pub(super) fn run(args: &ConvertArgs) -> Exit {
         definitions: args.from.iter().chain(&args.to).map(PathBuf::as_path).collect(),
         ..Inputs::default()
     };
-    outputs::check(&inputs, &[Output::new("--output", &args.output)])?;
-    if args.input.is_dir() {
-        let help = "convert each file of the folder, with an output for each";
-        let problem = format!("{}: a folder can't be converted", terminal::path(&args.input));
-        return Err(Status::Usage.with_help(problem, help));
-    }
+    outputs::check(&inputs, &[NamedOutput::new("--output", &args.output)])?;
     let usage = |failure: Failure| Status::Usage.failed(&failure);
     let load = |path: &PathBuf| Library::load(path, None);
     let source = args.from.as_ref().map_or_else(|| Ok(Library::built_in()), load).map_err(usage)?;
     let target = args.to.as_ref().map(load).transpose().map_err(usage)?;
     let interrupted = interruption()?;
-    let progress = Progress::bytes(std::fs::metadata(&args.input).map_or(0, |metadata| metadata.len()));
-    let opened = open_path(&args.input, &source, &|input| {
+    let progress = Progress::bytes(Input::Path(args.input.clone()).size().unwrap_or_default());
+    let reading = |input| {
         let input = Interruptible { input, interrupted: Arc::clone(&interrupted) };
         progress.reading(input)
-    });
-    let opened = opened.map_err(|error| unreadable(&args.input, error))?;
-    let opened = opened.map_err(|reason| unreadable(&args.input, reason))?;
-    let format = Format::of(&opened).map_err(|error| failed(args, error))?;
+    };
     let settings = Settings { format: format_of(&args.output), keeps_unconverted: args.keep_unconverted };
-    if target.is_none() && settings.format.is_none_or(|wanted| wanted == format) {
-        let other = if format == Format::Bag { "out.ulg" } else { "out.mcap" };
-        let help =
-            format!("add a release, such as `--to px4@1.16`, or choose another format with `-o {other}`");
-        let problem = format!("--to is required, because IN and OUT are both {}", format.name());
-        return Err(Status::Usage.with_help(problem, &help));
-    }
-    let plan = Plan::new(Arc::clone(&opened.definitions), &source, target.as_ref(), args.hints.as_deref());
-    let plan = plan.map_err(usage)?;
-    let report = write(args, opened, &plan, settings, &interrupted);
+    let plan = |definitions: &Arc<Definitions>| {
+        Plan::new(Arc::clone(definitions), &source, target.as_ref(), args.hints.as_deref()).map_err(usage)
+    };
+    let report = if let Some(folder) = folder_of(&args.input) {
+        let opened = open_folder(folder, &source).map_err(|error| unreadable(&args.input, error))?;
+        let opened = opened.map_err(|reason| unreadable(&args.input, reason))?;
+        if target.is_none() && settings.format.is_none() {
+            return Err(without_target(Format::Bag));
+        }
+        let plan = plan(&opened.definitions)?;
+        let name = file_names(&args.output);
+        write(args, settings.format, &interrupted, |output| {
+            convert_folder((folder, &opened), &plan, settings, &reading, (&name, output))
+        })?
+    } else {
+        let opened = open_path(&args.input, &source, &reading);
+        let opened = opened.map_err(|error| unreadable(&args.input, error))?;
+        let opened = opened.map_err(|reason| unreadable(&args.input, reason))?;
+        let format = Format::of(&opened).map_err(|error| failed(args, error))?;
+        if target.is_none() && settings.format.is_none_or(|wanted| wanted == format) {
+            return Err(without_target(format));
+        }
+        let plan = plan(&opened.definitions)?;
+        write(args, Some(settings.format.unwrap_or(format)), &interrupted, |output| {
+            convert((&args.input, opened), &plan, settings, output)
+        })?
+    };
     drop(progress);
-    let report = report?;
     let text = match args.format {
         ReportFormat::Text => report.to_text(),
         ReportFormat::Json => report.to_json(),
@@ -154,29 +165,42 @@ pub(super) fn run(args: &ConvertArgs) -> Exit {
     Ok(status(&report))
 }
 
+/// Prints the error for a conversion that would change nothing.
+fn without_target(format: Format) -> Status {
+    let other = if format == Format::Bag { "out.db3" } else { "out.mcap" };
+    let help =
+        format!("add definitions, such as `--to px4@1.16`, or choose another format, such as `-o {other}`");
+    let problem = format!("--to is required, because IN and OUT are both {}", format.name());
+    Status::Usage.with_help(problem, &help)
+}
+
 /// The format that the name of a file indicates.
 fn format_of(path: &Path) -> Option<Format> {
     let extension = path.extension()?;
-    [("mcap", Format::Bag), ("ulg", Format::Log)]
+    [("mcap", Format::Bag), ("db3", Format::Database), ("ulg", Format::Log)]
         .into_iter()
         .find_map(|(known, format)| extension.eq_ignore_ascii_case(known).then_some(format))
 }
 
-/// Writes the output. If this fails, prints errors and removes the output.
+/// Writes the output with `convert`: a file of this format, or a folder. If this fails, prints errors and removes the output.
 fn write(
     args: &ConvertArgs,
-    opened: Opened<'_>,
-    plan: &Plan,
-    settings: Settings,
+    format: Option<Format>,
     interrupted: &AtomicBool,
+    convert: impl FnOnce(Output<'_>) -> Result<ConversionReport, Error>,
 ) -> Result<ConversionReport, Status> {
-    let result = write_file(&args.output, |file| {
-        let report = convert((&args.input, opened), plan, settings, file)?;
+    let convert = |output: Output<'_>| {
+        let report = convert(output)?;
         if interrupted.load(Ordering::Relaxed) {
             return Err(Error::Write(io::Error::other("interrupted")));
         }
         Ok(report)
-    });
+    };
+    let result = match format {
+        None => write_folder(&args.output, |folder| convert(Output::Folder(folder))),
+        Some(Format::Database) => write_at(&args.output, |file| convert(Output::Database(file))),
+        Some(_) => write_file(&args.output, |file| convert(Output::Stream(file))),
+    };
     if result.is_err() && interrupted.load(Ordering::Relaxed) {
         return Err(Status::Unreadable.because("interrupted: no output was written"));
     }
@@ -243,6 +267,9 @@ impl Read for Interruptible {
 mod tests {
     use std::fs;
 
+    use uavspec_check::Opened;
+    use uavspec_check::convert::convert as convert_capture;
+
     use super::*;
 
     /// Presses Ctrl-C at its place in an input.
@@ -268,7 +295,13 @@ mod tests {
             let line = br#"{"type": "px4/ArmingCheckRequest", "message": {"timestamp": 9, "request_id": 6}}"#;
             let input = Box::new(line.chain(rest(Arc::clone(&interrupted))));
             let bytes = Box::new(Interruptible { input, interrupted: Arc::clone(&interrupted) });
-            let opened = Opened { kind: "JSON", definitions: Arc::clone(definitions), bytes, state: None };
+            let opened = Opened {
+                kind: "JSON",
+                definitions: Arc::clone(definitions),
+                bytes,
+                database: None,
+                state: None,
+            };
             let args = ConvertArgs {
                 input: "in.jsonl".into(),
                 to: Some("px4@1.17".into()),
@@ -279,7 +312,10 @@ mod tests {
                 format: ReportFormat::Text,
             };
             let settings = Settings::default();
-            write(&args, opened, &plan, settings, &interrupted).err()
+            write(&args, Some(Format::Json), &interrupted, |output| {
+                convert_capture((&args.input, opened), &plan, settings, output)
+            })
+            .err()
         };
         for before in [None, Some("old")] {
             if let Some(text) = before {

@@ -309,10 +309,7 @@ impl Bag {
 
     /// Passes the messages to `take`, by time and then by row, as rosbag2 plays them, until it breaks. A corrupt index of
     /// the times could hide messages, so it is compared with the table.
-    pub fn messages(
-        &self,
-        mut take: impl FnMut(Message<'_>) -> ControlFlow<()>,
-    ) -> Result<(), Problem> {
+    pub fn messages(&self, mut take: impl FnMut(Message<'_>) -> ControlFlow<()>) -> Result<(), Problem> {
         let columns = self.columns(MESSAGES)?;
         for column in ["topic_id", "timestamp", "data"] {
             require(&columns, MESSAGES, column)?;

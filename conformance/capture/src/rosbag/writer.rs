@@ -59,13 +59,11 @@ pub struct Writer {
 }
 
 impl Writer {
-    /// Writes the tables to an empty file. `distribution` is the ROS distribution of the messages; it may be empty.
-    pub fn new(path: &Path, distribution: &str) -> io::Result<Self> {
+    /// Writes the tables to an empty file.
+    pub fn new(path: &Path) -> io::Result<Self> {
         let connection = Connection::open(path).map_err(io::Error::other)?;
         connection.execute_batch(TABLES).map_err(io::Error::other)?;
-        let writer = Self { connection };
-        writer.insert("INSERT INTO schema VALUES (4, ?1)", params![distribution])?;
-        Ok(writer)
+        Ok(Self { connection })
     }
 
     fn insert(&self, statement: &str, values: &[&dyn rusqlite::ToSql]) -> io::Result<()> {
@@ -91,8 +89,9 @@ impl Writer {
         self.insert("INSERT INTO messages VALUES (NULL, ?1, ?2, ?3)", values)
     }
 
-    /// Writes the end of the file.
-    pub fn finish(self) -> io::Result<()> {
+    /// Writes the end of the file. `distribution` is the ROS distribution of the messages; it may be empty.
+    pub fn finish(self, distribution: &str) -> io::Result<()> {
+        self.insert("INSERT INTO schema VALUES (4, ?1)", params![distribution])?;
         self.connection.execute_batch(END).map_err(io::Error::other)?;
         self.connection.close().map_err(|(_, error)| io::Error::other(error))
     }
@@ -168,7 +167,12 @@ impl fmt::Display for BagContent<'_> {
         let topics = self.topics();
         writeln!(text, "  {TOPICS}:{}", if topics.is_empty() { " []" } else { "" })?;
         for (Topic { name, ty, encoding, hash, qos, .. }, count) in topics {
-            writeln!(text, "    - topic_metadata:\n        name: {}\n        type: {}", quoted(&name), quoted(&ty))?;
+            writeln!(
+                text,
+                "    - topic_metadata:\n        name: {}\n        type: {}",
+                quoted(&name),
+                quoted(&ty)
+            )?;
             writeln!(text, "        serialization_format: {}", quoted(&encoding))?;
             writeln!(text, "        offered_qos_profiles: {}", quoted(&qos))?;
             writeln!(text, "        type_description_hash: {}\n      message_count: {count}", quoted(&hash))?;
@@ -216,7 +220,7 @@ mod tests {
     fn the_reader_returns_what_the_writer_writes() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("bag.db3");
-        let writer = Writer::new(&path, "jazzy").expect("a file");
+        let writer = Writer::new(&path).expect("a file");
         let [ty, encoding, text, hash] =
             ["sky_msgs/msg/Wind", "ros2msg", "int8 speed\n", "RIHS01_1"].map(str::to_owned);
         let definition = Definition { ty, encoding, text, hash };
@@ -226,12 +230,16 @@ mod tests {
         for (topic, time) in [(3, 20), (9, 10), (3, u64::MAX)] {
             writer.message(topic, time, &[1, 2]).expect("a message");
         }
-        writer.finish().expect("a file");
+        writer.finish("jazzy").expect("a file");
         let (bag, problems) = Bag::open(&path).expect("a bag");
-        assert_eq!((problems, bag.distribution(), bag.check_structure()), (Vec::new(), "jazzy".to_owned(), Ok(())));
+        assert_eq!(
+            (problems, bag.distribution(), bag.check_structure()),
+            (Vec::new(), "jazzy".to_owned(), Ok(()))
+        );
         let (mut read, mut definitions, mut messages) = (Vec::new(), Facts::default(), Vec::new());
         bag.topics(|topic| read.push(topic)).expect("topics");
-        bag.definitions(|found| definitions.add(&found.ty.clone(), "RIHS01_1", true, found)).expect("definitions");
+        bag.definitions(|found| definitions.add(&found.ty.clone(), "RIHS01_1", true, found))
+            .expect("definitions");
         bag.messages(|message| {
             assert_eq!(message.payload, Ok(&[1_u8, 2][..]));
             messages.push((message.topic, message.time));
@@ -250,10 +258,12 @@ mod tests {
             times,
             topics: vec![(topic(1, "/wind: \"strong\"\n"), count)],
         };
-        let files = [file("a_0.db3", Some((5, 9)), 2), file("a_1.db3", Some((8, 30)), 3), file("a_2.db3", None, 0)];
+        let files =
+            [file("a_0.db3", Some((5, 9)), 2), file("a_1.db3", Some((8, 30)), 3), file("a_2.db3", None, 0)];
         let content = BagContent { storage: "sqlite3", distribution: "jazzy", files: &files };
         let found = Metadata::parse(content.to_string().as_bytes()).expect("metadata");
-        let counts = [("a_0.db3", 2), ("a_1.db3", 3), ("a_2.db3", 0)].map(|(name, count)| (name.to_owned(), count));
+        let counts =
+            [("a_0.db3", 2), ("a_1.db3", 3), ("a_2.db3", 0)].map(|(name, count)| (name.to_owned(), count));
         let expected = Metadata {
             storage: "sqlite3".to_owned(),
             distribution: "jazzy".to_owned(),
@@ -266,7 +276,9 @@ mod tests {
         };
         assert_eq!(found, expected);
         let text = content.to_string();
-        assert!(text.contains("  duration:\n    nanoseconds: 25\n  starting_time:\n    nanoseconds_since_epoch: 5\n"));
+        assert!(text.contains(
+            "  duration:\n    nanoseconds: 25\n  starting_time:\n    nanoseconds_since_epoch: 5\n"
+        ));
         let empty = BagContent { storage: "mcap", distribution: "", files: &[] }.to_string();
         assert_eq!(Metadata::parse(empty.as_bytes()).expect("metadata").problems, Vec::<String>::new());
     }

@@ -104,7 +104,7 @@ fn record_head(input: &mut impl Read) -> Option<(u8, u64)> {
 }
 
 /// The ROS distribution in the body of a metadata record. rosbag2 writes such records.
-fn stated_distribution(body: &[u8]) -> Option<String> {
+pub(crate) fn stated_distribution(body: &[u8]) -> Option<String> {
     let (_, values) = metadata(body).filter(|(name, _)| name == "rosbag2")?;
     let in_yaml = || distribution(values.get("serialized_metadata")?);
     values

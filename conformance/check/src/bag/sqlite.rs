@@ -2,6 +2,8 @@
 
 mod reading;
 
+pub(crate) use self::reading::definitions_of;
+
 use std::fs;
 use std::io::{self, Read};
 use std::path::Path;
@@ -78,7 +80,7 @@ impl CopiedFile {
     }
 
     /// Removes the name of the open file, so that no file remains if the run is killed.
-    fn hide(&self) {
+    pub(crate) fn hide(&self) {
         // On other systems, open files can't be removed. The error is ignored.
         if cfg!(unix) {
             let _ = fs::remove_file(self.path());

@@ -3,12 +3,12 @@
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, BufWriter, Read, Write};
+use std::mem;
 use std::sync::Arc;
 
 use tempfile::SpooledTempFile;
 use uavspec_capture::ULOG_MAGIC;
-use uavspec_capture::input::UpToError;
-use uavspec_capture::mcap::{AttachmentHead, EVENT_METADATA, Event, Item, Reader, metadata};
+use uavspec_capture::mcap::{AttachmentHead, EVENT_METADATA, Event, Item, metadata};
 use uavspec_dynamic::{Field, MessageType};
 use uavspec_model::SubjectName;
 use uavspec_model::limits::MAX_NAME;
@@ -20,9 +20,9 @@ use uavspec_runtime::Scalar;
 use uavspec_schema::limits::MAX_EVENTS_LEN;
 use uavspec_schema::{Element, Shape, Type};
 
+use super::bag::{Declarations, Declared, Source, declared_again, names, treatment};
 use super::information::{self, LogMessage};
 use super::log_to_bag::{INSTANCE, TOPIC};
-use super::mcap::{Declarations, Declared, another_file, declared_again, names, treatment};
 use super::plan::{Converted, Converters, Plan, Treatment};
 use super::report::{Action, Problems, TopicReport};
 use super::ros::{Restored, Ros};
@@ -109,13 +109,11 @@ struct Stream<'p> {
 
 /// Converts a file. Returns the topics and the parts that can't be read.
 pub(super) fn convert(
-    input: impl Read,
+    source: Source<'_, impl Read>,
     plan: &Plan,
     settings: Settings,
     output: &mut dyn Write,
 ) -> Result<(Vec<TopicReport>, Problems), Error> {
-    let mut input = UpToError::new(input);
-    let mut reader = Reader::new(&mut input);
     let ros = Ros::new()?;
     let mut stream = Stream {
         plan,
@@ -139,16 +137,14 @@ pub(super) fn convert(
         has_other_parts: false,
         metadata: None,
     };
-    let mut has_header = false;
-    while let Ok(Some(item)) = reader.next() {
-        if matches!(item.event, Event::Header { .. }) && std::mem::replace(&mut has_header, true) {
-            stream.problems.add(another_file(item.offset));
-            break;
-        }
-        stream.item(item)?;
-    }
-    let bytes = reader.bytes();
-    stream.problems.add_unreadable_rest(bytes, input.error.as_ref());
+    let mut problems = Problems::default();
+    source.read(&mut problems, |item, problems| {
+        mem::swap(&mut stream.problems, problems);
+        let result = stream.item(item);
+        mem::swap(&mut stream.problems, problems);
+        result
+    })?;
+    stream.problems = problems;
     stream.finish(output)
 }
 
@@ -176,8 +172,7 @@ impl<'p> Stream<'p> {
                 self.define(information::messages(&name, &values));
                 None
             }
-            Event::Problem(problem) => Some(problem.to_string()),
-            Event::Header { .. } | Event::Private { .. } => None,
+            Event::Header { .. } | Event::Private { .. } | Event::Problem(_) => None,
         };
         if let Some(problem) = found {
             self.problems.add(format!("byte {}: {problem}", item.offset));

@@ -1,5 +1,7 @@
 //! The report of a conversion.
 
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::fmt::Write as _;
 use std::io;
 use std::path::Path;
@@ -125,6 +127,23 @@ impl Problems {
         }
     }
 
+    /// Adds the problems and notes of another part.
+    pub(super) fn merge(&mut self, other: Self) {
+        other.listed.into_iter().for_each(|problem| self.add(problem));
+        self.more += other.more;
+        for note in other.notes {
+            if !self.notes.contains(&note) {
+                self.notes.push(note);
+            }
+        }
+    }
+
+    /// The problems of a file of a bag.
+    pub(super) fn of_file(mut self, file: &str) -> Self {
+        self.listed.iter_mut().for_each(|problem| problem.insert_str(0, &format!("{file}: ")));
+        self
+    }
+
     pub(super) fn note(&mut self, note: &str) {
         self.notes.push(note.to_owned());
     }
@@ -171,16 +190,18 @@ impl ConversionReport {
 
     /// The report for people.
     pub fn to_text(&self) -> String {
-        let from =
-            if self.from.is_empty() { "no known release".to_owned() } else { shown(&self.from.join(", ")) };
-        let mut text = format!("{}: {from}", shown(&self.capture));
-        if let Some(to) = &self.to {
-            let _ = write!(text, " to {}", shown(to));
+        let mut parts = Vec::new();
+        let from = shown(&self.from.join(", "));
+        match &self.to {
+            Some(to) if from.is_empty() => parts.push(format!("no known release to {}", shown(to))),
+            Some(to) => parts.push(format!("{from} to {}", shown(to))),
+            None if from.is_empty() => {}
+            None => parts.push(from),
         }
         if self.from_format != self.to_format {
-            let _ = write!(text, ", {} to {}", self.from_format.name(), self.to_format.name());
+            parts.push(format!("{} to {}", self.from_format.name(), self.to_format.name()));
         }
-        text.push('\n');
+        let mut text = format!("{}: {}\n", shown(&self.capture), parts.join(", "));
         for topic in &self.topics {
             topic.write(&mut text);
         }
@@ -204,7 +225,36 @@ impl ConversionReport {
     }
 }
 
+/// Combines the topics of several files: topics with the same name and the same treatment.
+pub(super) fn merged(topics: Vec<TopicReport>) -> Vec<TopicReport> {
+    let mut all: BTreeMap<_, TopicReport> = BTreeMap::new();
+    for topic in topics {
+        let TopicReport { action, renamed, from, reason, .. } = &topic;
+        let key = (topic.topic.clone(), *action, renamed.clone(), from.clone(), reason.clone());
+        match all.entry(key) {
+            Entry::Vacant(entry) => _ = entry.insert(topic),
+            Entry::Occupied(mut entry) => entry.get_mut().add(topic),
+        }
+    }
+    all.into_values().collect()
+}
+
 impl TopicReport {
+    /// Adds the same topic of another file.
+    fn add(&mut self, other: Self) {
+        self.messages += other.messages;
+        self.unreadable += other.unreadable;
+        self.error = self.error.take().or(other.error);
+        for loss in other.losses {
+            match self.losses.iter_mut().find(|known| known.text == loss.text) {
+                Some(known) => {
+                    known.messages = known.messages.zip(loss.messages).map(|(one, other)| one + other)
+                }
+                None => self.losses.push(loss),
+            }
+        }
+    }
+
     fn write(&self, text: &mut String) {
         let Self { topic, renamed, action, reason, messages, .. } = self;
         let _ = write!(text, "  {:<10} {}", action.text(), shown(topic));

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use serde_json::{Value, json};
 use tempfile::TempDir;
-use uavspec_check::convert::{Action, ConversionReport, Error, Plan, Settings, convert};
+use uavspec_check::convert::{Action, ConversionReport, Error, Output, Plan, Settings, convert};
 use uavspec_check::open_path;
 use uavspec_rules::definitions::{Library, Stated};
 use uavspec_runtime::cdr::ByteOrder;
@@ -95,7 +95,7 @@ fn converted(
     let opened = open_path(&path, library, &|input| input).expect("a file").expect("a capture");
     let plan = Plan::new(opened.definitions.clone(), library, Some(&to), hints)?;
     let mut output = Vec::new();
-    let report = convert((&path, opened), &plan, Settings::default(), &mut output)?;
+    let report = convert((&path, opened), &plan, Settings::default(), Output::Stream(&mut output))?;
     Ok((report, output))
 }
 

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use tempfile::TempDir;
 use uavspec_capture::mcap::{Event, Reader, metadata, metadata_body};
 use uavspec_capture::ulog;
-use uavspec_check::convert::{Action, ConversionReport, Error, Format, Plan, Settings, convert};
+use uavspec_check::convert::{Action, ConversionReport, Error, Format, Output, Plan, Settings, convert};
 use uavspec_check::open_path;
 use uavspec_rules::definitions::{Library, Stated};
 use uavspec_rules::sample::{Entry, Log};
@@ -28,7 +28,7 @@ fn changed(bytes: &[u8], format: Format, to: Option<&Library>) -> Result<(Conver
     let plan = Plan::new(opened.definitions.clone(), &LIBRARY, to, None).expect("a plan");
     let mut output = Vec::new();
     let settings = Settings { format: Some(format), ..Settings::default() };
-    let report = convert((&path, opened), &plan, settings, &mut output)?;
+    let report = convert((&path, opened), &plan, settings, Output::Stream(&mut output))?;
     Ok((report, output))
 }
 

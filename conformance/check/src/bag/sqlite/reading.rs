@@ -2,9 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use uavspec_capture::rosbag::sqlite::{Bag, Definition, Facts, Message, Problem, Topic};
 use uavspec_model::{Extent, Location};
+use uavspec_rules::definitions::Shared;
 use uavspec_schema::derived_from;
 
 use crate::Logged;
@@ -22,6 +24,22 @@ fn types_of(topics: &[Topic]) -> BTreeMap<&str, BTreeMap<&str, bool>> {
         }
     }
     types
+}
+
+/// Passes the definitions of the topics' types to `take`, with the type. The flag is true if a topic of this type has no hash,
+/// and the hash in the file matches the text.
+pub(crate) fn definitions_of(
+    database: &Bag,
+    topics: &[Topic],
+    shared: &Shared,
+    mut take: impl FnMut(&str, &Definition, bool),
+) -> Result<(), Problem> {
+    let types = types_of(topics);
+    database.definitions(|definition| {
+        for (ty, lacks_hash) in types.get(definition.ty.as_str()).into_iter().flatten() {
+            take(ty, &definition, *lacks_hash && has_its_hash(&definition, shared));
+        }
+    })
 }
 
 /// A file that is being read.
@@ -55,12 +73,9 @@ impl<'c, 'd> SqliteFile<'c, 'd> {
         let mut topics = Vec::new();
         let result = database.topics(|topic| topics.push(topic));
         self.report(result);
-        let types = types_of(&topics);
-        let result = database.definitions(|definition| {
-            for (ty, lacks_hash) in types.get(definition.ty.as_str()).into_iter().flatten() {
-                let is_verified = *lacks_hash && has_its_hash(&definition, &self.bag.run.definitions.shared);
-                self.definition(ty, &definition, is_verified);
-            }
+        let shared = Arc::clone(&self.bag.run.definitions.shared);
+        let result = definitions_of(database, &topics, &shared, |ty, definition, is_verified| {
+            self.definition(ty, definition, is_verified);
         });
         self.report(result);
         if topics.is_empty() && self.bag.has_gaps() {

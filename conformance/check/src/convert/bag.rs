@@ -1,16 +1,17 @@
-//! Converts MCAP files.
+//! Converts the files of bags: MCAP and `SQLite`.
 
 mod declarations;
 mod json_schema;
+mod source;
+mod target;
 
 use std::borrow::Cow;
-use std::collections::{BTreeMap, HashMap};
-use std::io::{self, Read, Seek as _, SeekFrom, Write};
+use std::collections::BTreeMap;
+use std::io::{Read, Seek as _, SeekFrom, Write};
 
 use mcap::records::MessageHeader;
 use tempfile::SpooledTempFile;
-use uavspec_capture::input::UpToError;
-use uavspec_capture::mcap::{AttachmentHead, Event, Item, Packing, Reader, Writer, compressed};
+use uavspec_capture::mcap::{AttachmentHead, Event, Item, Packing, compressed};
 use uavspec_model::json::Tree;
 use uavspec_model::limits::MAX_NAME;
 use uavspec_model::text::{start_of, utf8};
@@ -18,8 +19,11 @@ use uavspec_rules::definitions::Definitions;
 use uavspec_runtime::cdr::ByteOrder;
 use uavspec_schema::MessageId;
 
+use self::declarations::too_large;
 pub(super) use self::declarations::{Declarations, Declared, Schema, declared_again, names};
-use self::declarations::{fits, too_large};
+pub(super) use self::source::Source;
+pub(super) use self::target::Target;
+use self::target::{Content, Origin};
 use super::plan::{Converted, Converters, Plan, Treatment};
 use super::report::{Action, Problems, TopicReport};
 use super::topic::Topic;
@@ -27,22 +31,10 @@ use super::{Error, Settings};
 use crate::limits::{MAX_ATTACHMENT, MAX_WAITING};
 use crate::{HASH, StatedType, confirms, decompressed, definition_of, digest, is_guess, stated_type};
 
-/// The name, the encoding and the text of a schema in the output.
-type Content<'s> = (Cow<'s, str>, Cow<'s, str>, Cow<'s, [u8]>);
-
-/// The origin of a schema in the output.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum Origin {
-    /// The schema of the input with this id.
-    Input(u16),
-    /// The definition of this message of the target.
-    Target(MessageId),
-    /// A message of the target, in the encoding of this schema of the input.
-    Json(MessageId, u16),
-}
-
 struct Channel<'p> {
     topic: Topic<'p>,
+    /// The id in the output.
+    id: u16,
     /// A hash of the declaration.
     digest: u64,
     is_json: bool,
@@ -61,91 +53,57 @@ struct Guess {
     size: usize,
 }
 
-struct Stream<'p, 'o> {
+struct Stream<'p, 'c, 'o> {
     plan: &'p Plan,
     settings: Settings,
-    output: Writer<&'o mut dyn Write>,
+    output: &'c mut Target<'o>,
+    converters: &'c mut Converters<'p>,
     declarations: Declarations,
-    /// The ids of the schemas in the output.
-    written: HashMap<Origin, u16>,
-    /// The total size of the schemas in the output, in bytes.
-    written_size: usize,
-    converters: Converters<'p>,
+    /// True if messages that were compressed separately are decompressed.
+    is_decompressed: bool,
     /// The total size of the messages that wait for a decision, in bytes.
     waiting_size: usize,
-    /// The channels, by id. The output has the same ids.
+    /// The channels, by id.
     channels: Vec<Option<Box<Channel<'p>>>>,
     /// The attachment that is being read.
     attachment: Option<SpooledTempFile>,
 }
 
-/// Converts a file. Returns the topics and the parts that can't be read.
-pub(super) fn convert(
-    input: impl Read,
-    plan: &Plan,
-    settings: Settings,
-    output: &mut dyn Write,
-) -> Result<(Vec<TopicReport>, Problems), Error> {
-    let mut input = UpToError::new(input);
-    let (mut reader, mut problems) = (Reader::new(&mut input), Problems::default());
-    let (mut output, mut stream) = (Some(output), None);
-    while let Ok(Some(item)) = reader.next() {
-        let profile = match &item.event {
-            Event::Problem(problem) => {
-                problems.add(format!("byte {}: {problem}", item.offset));
-                continue;
-            }
-            Event::Header { .. } if stream.is_some() => {
-                problems.add(another_file(item.offset));
-                break;
-            }
-            Event::Header { profile, .. } => profile.clone(),
-            _ => String::new(),
-        };
-        // The writer needs the profile of the header, which is the first record.
-        if let Some(output) = output.take() {
-            stream = Some(Stream::new(plan, settings, Writer::new(output, &profile)?));
-        }
-        if let Some(stream) = &mut stream {
-            stream.item(item, &mut problems)?;
-        }
-    }
-    let bytes = reader.bytes();
-    problems.add_unreadable_rest(bytes, input.error.as_ref());
-    // Even without records, the output is a valid file.
-    if let Some(output) = output {
-        Writer::new(output, "")?.finish()?;
-    }
-    let Some(mut stream) = stream else { return Ok((Vec::new(), problems)) };
+/// Converts a file, and writes it to the output, which may already contain other files of the bag. `is_decompressed` is true
+/// if messages that were compressed separately are decompressed. Returns the topics. Adds the parts that can't be read.
+pub(super) fn convert<'p>(
+    source: Source<'_, impl Read>,
+    (plan, settings, is_decompressed): (&'p Plan, Settings, bool),
+    output: &mut Target<'_>,
+    converters: &mut Converters<'p>,
+    problems: &mut Problems,
+) -> Result<Vec<TopicReport>, Error> {
+    let mut stream = Stream {
+        plan,
+        settings,
+        output,
+        converters,
+        declarations: Declarations::default(),
+        is_decompressed,
+        waiting_size: 0,
+        channels: Vec::new(),
+        attachment: None,
+    };
+    let bytes = source.read(problems, |item, problems| stream.item(item, problems))?;
     // The remaining guesses were wrong.
     for at in 0..stream.channels.len() {
         if let Some(problem) = stream.decide(at, None)? {
             problems.add(format!("byte {bytes}: {problem}"));
         }
     }
-    plan.check_hints(&stream.converters)?;
-    stream.output.finish()?;
     let channels = stream.channels.into_iter().flatten();
-    Ok((channels.map(|channel| channel.topic.finish()).collect(), problems))
+    Ok(channels.map(|channel| channel.topic.finish()).collect())
 }
 
-impl<'p, 'o> Stream<'p, 'o> {
-    fn new(plan: &'p Plan, settings: Settings, output: Writer<&'o mut dyn Write>) -> Self {
-        Self {
-            plan,
-            settings,
-            output,
-            declarations: Declarations::default(),
-            written: HashMap::new(),
-            written_size: 0,
-            converters: Converters::default(),
-            waiting_size: 0,
-            channels: Vec::new(),
-            attachment: None,
-        }
-    }
-
+impl<'p> Stream<'p, '_, '_> {
     fn item(&mut self, item: Item<'_>, problems: &mut Problems) -> Result<(), Error> {
+        let profile = if let Event::Header { profile, .. } = &item.event { profile } else { "" };
+        self.output.start(profile)?;
         if matches!(item.event, Event::Schema { .. } | Event::Channel { .. } | Event::Message { .. }) {
             self.output.set_packing(item.packing)?;
         }
@@ -194,7 +152,7 @@ impl<'p, 'o> Stream<'p, 'o> {
         if let Some(reason) = self.declarations.refusal(schema, &topic, &encoding, &metadata) {
             let problem = format!("channel {id}: {reason}");
             let topic = Topic::left_out(&start_of(&topic, MAX_NAME), reason);
-            let channel = Channel { topic, digest, is_json, guess: None };
+            let channel = Channel { topic, id, digest, is_json, guess: None };
             self.channels[at] = Some(Box::new(channel));
             return Ok(Some(problem));
         }
@@ -202,14 +160,15 @@ impl<'p, 'o> Stream<'p, 'o> {
         let source = plan.source();
         let names = self.declarations.schema(schema).map(names);
         let definition = definition_of(&topic, names, source);
-        let is_undecided =
-            |id: &MessageId| is_json && plan.concerns(*id) && is_guess(&topic, names, *id, source);
+        let is_undecided = |id: &MessageId| {
+            is_json && !plan.keeps_types() && plan.concerns(*id) && is_guess(&topic, names, *id, source)
+        };
         let guess = definition.filter(is_undecided);
         let declared = Declared { id, schema, topic, encoding, metadata, digest };
         let Some(message_id) = guess else { return self.declare(declared, definition) };
         let topic = Topic::new(&declared.topic, (None, Treatment::Copy), plan, self.settings);
         let guess = Some(Box::new(Guess { message_id, declared, waiting: Vec::new(), size: 0 }));
-        self.channels[at] = Some(Box::new(Channel { topic, digest, is_json, guess }));
+        self.channels[at] = Some(Box::new(Channel { topic, id, digest, is_json, guess }));
         Ok(None)
     }
 
@@ -222,51 +181,39 @@ impl<'p, 'o> Stream<'p, 'o> {
     ) -> Result<Option<String>, Error> {
         let plan = self.plan;
         let stored = self.declarations.schema(declared.schema);
-        let treatment = treatment(plan, &declared, stored, definition, &mut self.converters);
+        let treatment = if plan.keeps_types() {
+            (None, Treatment::Copy)
+        } else {
+            treatment(plan, &declared, stored, definition, self.converters)
+        };
         let Declared { id, schema, topic, encoding, mut metadata, digest } = declared;
         let is_json = encoding == "json";
-        let mut topic = Topic::new(&topic, treatment, plan, self.settings);
+        let topic = Topic::new(&topic, treatment, plan, self.settings);
+        let stored = self.declarations.digest(schema);
         let origin = match &topic.converted {
             Some(converted) => {
                 let target = converted.conversion.to;
                 if !is_json || metadata.contains_key(HASH) {
                     metadata.insert(HASH.to_owned(), plan.target_type(target).1);
                 }
-                if is_json { Origin::Json(target, schema) } else { Origin::Target(target) }
+                if is_json { Origin::Json(target, stored) } else { Origin::Target(target) }
             }
-            None => Origin::Input(schema),
+            None => Origin::Input(stored),
         };
+        let mut channel = Channel { id, is_json, digest, guess: None, topic };
         let mut problem = None;
-        if topic.report.action != Action::LeftOut {
-            if let Some(schema) = self.written(origin)? {
-                self.output.channel((id, schema), (topic.output_name(), &encoding), &metadata)?;
+        if channel.topic.report.action != Action::LeftOut {
+            let content = || content(plan, self.declarations.schema(schema), origin);
+            if let Some(schema) = self.output.schema(origin, content)? {
+                let names = (channel.topic.output_name(), &*encoding);
+                channel.id = self.output.channel((id, schema), names, metadata)?;
             } else {
-                topic.leave_out(too_large());
+                channel.topic.leave_out(too_large());
                 problem = Some(format!("channel {id}: {}", too_large()));
             }
         }
-        let channel = Channel { topic, digest, is_json, guess: None };
         self.channels[usize::from(id)] = Some(Box::new(channel));
         Ok(problem)
-    }
-
-    /// Returns the id of a schema in the output, or 0 if there is no schema. Writes the schema if necessary. Returns
-    /// `None` if the schemas in the output take too much space.
-    fn written(&mut self, origin: Origin) -> Result<Option<u16>, Error> {
-        if let Some(id) = self.written.get(&origin) {
-            return Ok(Some(*id));
-        }
-        let Some((name, encoding, text)) = content(self.plan, &self.declarations, origin) else {
-            return Ok(Some(0));
-        };
-        if !fits(&mut self.written_size, text.len()) {
-            return Ok(None);
-        }
-        let id = u16::try_from(self.written.len() + 1);
-        let id = id.map_err(|_| io::Error::other("the output needs more than 65,535 schemas"))?;
-        self.output.schema(id, (&name, &encoding), &text)?;
-        self.written.insert(origin, id);
-        Ok(Some(id))
     }
 
     /// Writes a message. Returns the problem if its channel is unknown, or is left out from now on.
@@ -276,7 +223,7 @@ impl<'p, 'o> Stream<'p, 'o> {
             return Ok(Some(format!("a message refers to channel {id}, which hasn't been declared yet")));
         };
         let Some(guess) = &mut channel.guess else {
-            channel.write(&header, payload, &mut self.output)?;
+            channel.write(header, payload, self.output, self.is_decompressed)?;
             return Ok(None);
         };
         let decision = guess.decision(payload, self.plan.source());
@@ -311,7 +258,7 @@ impl<'p, 'o> Stream<'p, 'o> {
         let problem = self.declare(declared, definition)?;
         if let Some(channel) = self.channels.get_mut(at).and_then(Option::as_deref_mut) {
             for (header, payload) in waiting {
-                channel.write(&header, &payload, &mut self.output)?;
+                channel.write(header, &payload, self.output, self.is_decompressed)?;
             }
         }
         Ok(problem)
@@ -356,23 +303,36 @@ impl Channel<'_> {
     /// Writes a message, unless it is left out.
     fn write(
         &mut self,
-        header: &MessageHeader,
+        header: MessageHeader,
         payload: &[u8],
-        output: &mut Writer<impl Write>,
+        output: &mut Target<'_>,
+        is_decompressed: bool,
     ) -> Result<(), Error> {
         self.topic.report.messages += 1;
         if self.topic.report.action == Action::LeftOut {
             return Ok(());
         }
-        let is_json = self.is_json;
-        let payload = match self.topic.report.action {
-            Action::Converted => self.topic.convert(|converted, losses| {
-                if is_json { converted.json_payload(payload, losses) } else { converted.cdr(payload, losses) }
-            }),
-            _ => Some(Cow::Borrowed(payload)),
+        let payload = if is_decompressed { decompressed(payload) } else { Ok(Cow::Borrowed(payload)) };
+        let payload = match payload {
+            Ok(payload) => payload,
+            Err(error) => {
+                self.topic.unreadable(error);
+                return Ok(());
+            }
         };
-        let Some(payload) = payload else { return Ok(()) };
-        output.message(header, &payload)?;
+        let is_json = self.is_json;
+        let converted = match self.topic.report.action {
+            Action::Converted => self.topic.convert(|converted, losses| {
+                if is_json {
+                    converted.json_payload(&payload, losses)
+                } else {
+                    converted.cdr(&payload, losses)
+                }
+            }),
+            _ => Some(Cow::Borrowed(&*payload)),
+        };
+        let Some(converted) = converted else { return Ok(()) };
+        output.message(&MessageHeader { channel_id: self.id, ..header }, &converted)?;
         Ok(())
     }
 }
@@ -385,25 +345,20 @@ impl Guess {
     }
 }
 
-/// The problem to report if another file follows.
-pub(super) fn another_file(offset: u64) -> String {
-    format!("byte {offset}: another MCAP file starts here: split the file to convert it")
-}
-
 /// The content of a schema in the output.
-fn content<'s>(plan: &Plan, declarations: &'s Declarations, origin: Origin) -> Option<Content<'s>> {
+fn content<'s>(plan: &Plan, stored: Option<&'s Schema>, origin: Origin) -> Option<Content<'s>> {
     let definition = |message: MessageId| {
         let text = plan.target().bag_text(message).into_bytes();
         (plan.target_type(message).0.into(), "ros2msg".into(), text.into())
     };
     match origin {
         Origin::Target(message) => Some(definition(message)),
-        Origin::Input(id) => {
-            let (name, encoding, text) = declarations.schema(id)?;
+        Origin::Input(_) => {
+            let (name, encoding, text) = stored?;
             Some((name.into(), encoding.into(), text.into()))
         }
-        Origin::Json(message, id) => {
-            let (_, encoding, text) = declarations.schema(id)?;
+        Origin::Json(message, _) => {
+            let (_, encoding, text) = stored?;
             if encoding == "ros2msg" {
                 return Some(definition(message));
             }

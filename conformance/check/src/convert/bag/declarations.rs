@@ -1,9 +1,10 @@
-//! The schemas of an MCAP file, and the limits for its declarations.
+//! The schemas of a file, and the limits for its declarations.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use uavspec_model::limits::MAX_NAME;
 
+use crate::digest;
 use crate::limits::MAX_CONVERTED_SCHEMAS;
 
 /// A schema: its name, encoding and text.
@@ -25,6 +26,8 @@ pub(crate) struct Declared {
 #[derive(Default)]
 pub(crate) struct Declarations {
     schemas: HashMap<u16, Schema>,
+    /// The digests of the schemas.
+    digests: HashMap<u16, u64>,
     /// The ids of the schemas that exceed a limit.
     left_out: BTreeSet<u16>,
     /// The total size of the schemas and channels, in bytes, including the names of attachments and metadata records.
@@ -35,6 +38,11 @@ impl Declarations {
     /// The schema with an id.
     pub(crate) fn schema(&self, id: u16) -> Option<&Schema> {
         self.schemas.get(&id)
+    }
+
+    /// The digest of the schema with an id; 0 if there is no schema.
+    pub(super) fn digest(&self, id: u16) -> u64 {
+        self.digests.get(&id).copied().unwrap_or_default()
     }
 
     /// Reserves space. Returns false if the limit is reached.
@@ -63,6 +71,7 @@ impl Declarations {
         let problem = if name.len() > MAX_NAME || encoding.len() > MAX_NAME {
             format!("the name or the encoding is longer than {MAX_NAME} bytes")
         } else if self.has_room(name.len() + encoding.len() + text.len()) {
+            self.digests.insert(id, digest(&(&name, &encoding, text)));
             self.schemas.insert(id, (name, encoding, text.to_vec()));
             return None;
         } else {

@@ -1,0 +1,175 @@
+//! The records of the file that a conversion reads.
+
+use std::collections::hash_map::Entry;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::io::{self, Read};
+use std::mem;
+use std::ops::ControlFlow;
+use std::rc::Rc;
+
+use uavspec_capture::input::UpToError;
+use uavspec_capture::mcap::{Event, Item, Reader};
+use uavspec_capture::rosbag::sqlite::{self, Definition, Facts, Message, Topic};
+use uavspec_rules::definitions::Shared;
+
+use super::super::Error;
+use super::super::report::Problems;
+use crate::{HASH, definitions_of};
+
+/// The metadata key for the quality of service of a channel, as written by rosbag2.
+pub(super) const QOS: &str = "offered_qos_profiles";
+
+/// The name and the key of the metadata record in which rosbag2 stores the ROS distribution.
+pub(super) const DISTRIBUTION: (&str, &str) = ("rosbag2", "ROS_DISTRO");
+
+/// The profile of MCAP files that rosbag2 writes.
+const PROFILE: &str = "ros2";
+
+/// A file of a bag.
+pub(in crate::convert) struct Source<'s, R> {
+    /// All bytes, decompressed.
+    pub(in crate::convert) bytes: R,
+    /// The `SQLite` file that contains these bytes; `None` for an MCAP file.
+    pub(in crate::convert) database: Option<&'s sqlite::Bag>,
+    pub(in crate::convert) shared: &'s Shared,
+    /// The encodings of the topics' messages in the metadata of the bag. rosbag2 prefers them to the encodings in
+    /// `SQLite` files.
+    pub(in crate::convert) encodings: Option<&'s BTreeMap<String, String>>,
+}
+
+impl<R: Read> Source<'_, R> {
+    /// Passes the records to `take`, until it fails. Adds the reasons why parts can't be read. Returns the number of bytes
+    /// read.
+    pub(in crate::convert) fn read(
+        self,
+        problems: &mut Problems,
+        mut take: impl FnMut(Item<'_>, &mut Problems) -> Result<(), Error>,
+    ) -> Result<u64, Error> {
+        let mut input = UpToError::new(self.bytes);
+        if let Some(database) = self.database {
+            let Self { shared, encodings, .. } = self;
+            let mut file = Database { input: &mut input, shared, encodings, take: &mut take, problems };
+            file.read(database)?;
+            return Ok(0);
+        }
+        let mut reader = Reader::new(&mut input);
+        let mut has_header = false;
+        while let Ok(Some(item)) = reader.next() {
+            match &item.event {
+                Event::Problem(problem) => problems.add(format!("byte {}: {problem}", item.offset)),
+                Event::Header { .. } if mem::replace(&mut has_header, true) => {
+                    let place = format!("byte {}", item.offset);
+                    problems
+                        .add(format!("{place}: another MCAP file starts here: split the file to convert it"));
+                    break;
+                }
+                _ => take(item, problems)?,
+            }
+        }
+        let bytes = reader.bytes();
+        problems.add_unreadable_rest(bytes, input.error.as_ref());
+        Ok(bytes)
+    }
+}
+
+/// A `SQLite` file, which is passed on as the records of an MCAP file.
+struct Database<'s, R, T> {
+    input: &'s mut UpToError<R>,
+    shared: &'s Shared,
+    encodings: Option<&'s BTreeMap<String, String>>,
+    take: T,
+    problems: &'s mut Problems,
+}
+
+impl<R: Read, T: FnMut(Item<'_>, &mut Problems) -> Result<(), Error>> Database<'_, R, T> {
+    fn read(&mut self, database: &sqlite::Bag) -> Result<(), Error> {
+        self.record(Event::Header { profile: PROFILE.to_owned(), library: String::new() })?;
+        let mut topics = Vec::new();
+        let mut is_whole = self.report(database.topics(|topic| topics.push(topic)));
+        let mut definitions: Facts<Rc<Definition>> = Facts::default();
+        is_whole &=
+            self.report(definitions_of(database, &topics, self.shared, |ty, definition, is_verified| {
+                definitions.add(ty, &definition.hash, is_verified, Rc::new(definition.clone()));
+            }));
+        let (mut schemas, mut channels) = (HashMap::new(), HashMap::new());
+        for topic in topics {
+            let definition = definitions.of(&topic).cloned();
+            let number = schemas.len() + 1;
+            let at = definition.as_ref().map(|definition| Rc::as_ptr(definition));
+            let schema = match schemas.entry((topic.ty.clone(), at)) {
+                Entry::Occupied(known) => *known.get(),
+                Entry::Vacant(entry) => {
+                    let id = u16::try_from(number).map_err(|_| too_many("types"))?;
+                    let name = topic.ty.clone();
+                    let definition = definition.as_deref();
+                    // Without a definition, rosbag2 writes neither a text nor an encoding into MCAP files.
+                    let encoding = definition.map_or("", |definition| &definition.encoding).to_owned();
+                    let text = definition.map_or(&b""[..], |definition| definition.text.as_bytes());
+                    self.record(Event::Schema { id, name, encoding, text })?;
+                    *entry.insert(id)
+                }
+            };
+            let id = u16::try_from(channels.len()).map_err(|_| too_many("topics"))?;
+            let Topic { id: number, name, encoding, hash, qos, .. } = topic;
+            if channels.contains_key(&number) {
+                self.problems.add(format!("topic {number} is declared again; the first declaration is used"));
+                continue;
+            }
+            channels.insert(number, id);
+            let stated = self.encodings.and_then(|encodings| encodings.get(&name));
+            let encoding = stated.cloned().unwrap_or(encoding);
+            let metadata = [(HASH.to_owned(), hash), (QOS.to_owned(), qos)].into();
+            self.record(Event::Channel { id, schema, topic: name, encoding, metadata })?;
+        }
+        let (mut result, mut undeclared) = (Ok(()), BTreeSet::new());
+        let read = database.messages(|Message { topic, time, payload }| {
+            result = match (channels.get(&topic), payload) {
+                (Some(channel), Ok(payload)) => self.message(*channel, time, payload),
+                (_, Err(problem)) => {
+                    is_whole = false;
+                    self.problems.add(problem);
+                    Ok(())
+                }
+                (None, _) => {
+                    if undeclared.insert(topic) {
+                        let problem = "which the bag doesn't declare";
+                        self.problems.add(format!("a message refers to topic {topic}, {problem}"));
+                    }
+                    Ok(())
+                }
+            };
+            if result.is_ok() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        });
+        result?;
+        if self.report(read) && is_whole {
+            self.report(database.check_structure());
+        }
+        Ok(())
+    }
+
+    fn record(&mut self, event: Event<'_>) -> Result<(), Error> {
+        (self.take)(Item { offset: 0, packing: None, event }, self.problems)
+    }
+
+    fn message(&mut self, channel: u16, time: u64, payload: &[u8]) -> Result<(), Error> {
+        // SQLite reads the file. Reading as many bytes shows the progress, and notices an interruption.
+        io::copy(&mut self.input.take(payload.len() as u64), &mut io::sink())?;
+        if let Some(error) = self.input.error.take() {
+            return Err(Error::Write(error));
+        }
+        self.record(Event::Message { channel, time, publish_time: time, sequence: 0, payload })
+    }
+
+    /// Adds the problem if there is one. Returns true if there is none.
+    fn report(&mut self, result: Result<(), sqlite::Problem>) -> bool {
+        let text = result.err().map(|problem| problem.text);
+        let is_whole = text.is_none();
+        text.into_iter().for_each(|text| self.problems.add(text));
+        is_whole
+    }
+}
+
+/// The error for a bag that doesn't fit into the records of an MCAP file.
+fn too_many(what: &str) -> Error {
+    Error::Input(format!("the bag has more than 65,535 {what}"))
+}

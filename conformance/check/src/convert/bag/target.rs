@@ -1,0 +1,249 @@
+//! The file that a conversion writes.
+
+use std::borrow::Cow;
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::io::{self, Read, Write};
+
+use mcap::records::MessageHeader;
+use uavspec_capture::mcap::{Packing, Writer, metadata_body};
+use uavspec_capture::rosbag::sqlite::{Definition, Topic};
+use uavspec_capture::rosbag::{self, FileContent, portable_qos};
+use uavspec_schema::MessageId;
+use uavspec_schema::derived_from;
+use uavspec_schema::msg::Kind;
+
+use super::super::Output;
+use super::super::report::Problems;
+use super::declarations::fits;
+use super::source::{DISTRIBUTION, QOS};
+use crate::{HASH, digest, stated_distribution};
+
+/// The origin of a schema in the output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Origin {
+    /// The schema of the input with this digest.
+    Input(u64),
+    /// The definition of this message of the target.
+    Target(MessageId),
+    /// A message of the target, in the encoding of the schema of the input with this digest.
+    Json(MessageId, u64),
+}
+
+/// The name, the encoding and the text of a schema.
+pub(super) type Content<'s> = (Cow<'s, str>, Cow<'s, str>, Cow<'s, [u8]>);
+
+/// The file that a conversion writes.
+pub(in crate::convert) struct Target<'o> {
+    file: File<'o>,
+    /// The ids of the schemas in the file.
+    schemas: HashMap<Origin, u16>,
+    /// The schemas by id. For an MCAP file, they have no text.
+    by_id: HashMap<u16, Definition>,
+    /// The total size of the schemas, in bytes.
+    size: usize,
+    /// The ids of the channels in the file, by the digest of their declaration.
+    channels: HashMap<u64, u16>,
+    used: HashSet<u16>,
+    /// The types and hashes whose definitions are in a `SQLite` file.
+    defined: HashSet<(String, String)>,
+    /// The topics in the file, with their numbers of messages, by the id of the channel.
+    topics: BTreeMap<u16, (Topic, u64)>,
+    /// The first and the last log time, in ns.
+    times: Option<(u64, u64)>,
+    /// The ROS distribution of the messages; empty if it is unknown, or if a copied record states it.
+    pub(in crate::convert) distribution: String,
+    /// The number of attachments, metadata records and private records that the file can't contain.
+    left_out: u64,
+}
+
+enum File<'o> {
+    /// A file without content.
+    New(Option<Output<'o>>),
+    Mcap(Box<Writer<&'o mut dyn Write>>),
+    Sqlite(rosbag::Writer),
+}
+
+impl<'o> Target<'o> {
+    pub(in crate::convert) fn new(output: Output<'o>) -> Self {
+        Self {
+            file: File::New(Some(output)),
+            schemas: HashMap::new(),
+            by_id: HashMap::new(),
+            size: 0,
+            channels: HashMap::new(),
+            used: HashSet::new(),
+            defined: HashSet::new(),
+            topics: BTreeMap::new(),
+            times: None,
+            distribution: String::new(),
+            left_out: 0,
+        }
+    }
+
+    /// Writes the start of the file, unless it is already written. `profile` is the profile of an MCAP file.
+    pub(super) fn start(&mut self, profile: &str) -> io::Result<()> {
+        let File::New(output) = &mut self.file else { return Ok(()) };
+        match output.take() {
+            Some(Output::Stream(output)) => self.file = File::Mcap(Box::new(Writer::new(output, profile)?)),
+            Some(Output::Database(path)) => self.file = File::Sqlite(rosbag::Writer::new(path)?),
+            Some(Output::Folder(_)) => return Err(io::Error::other("expected a file, found a folder")),
+            None => {}
+        }
+        Ok(())
+    }
+
+    /// Sets the compression of the following records.
+    pub(super) fn set_packing(&mut self, packing: Option<Packing>) -> io::Result<()> {
+        match &mut self.file {
+            File::Mcap(writer) => writer.set_packing(packing),
+            File::New(_) | File::Sqlite(_) => Ok(()),
+        }
+    }
+
+    /// Returns the id of a schema, and writes the schema if necessary. Returns `None` if the schemas take too much space.
+    pub(super) fn schema<'s>(
+        &mut self,
+        origin: Origin,
+        content: impl FnOnce() -> Option<Content<'s>>,
+    ) -> io::Result<Option<u16>> {
+        if let Some(id) = self.schemas.get(&origin) {
+            return Ok(Some(*id));
+        }
+        let Some((name, encoding, text)) = content() else { return Ok(Some(0)) };
+        if !fits(&mut self.size, text.len()) {
+            return Ok(None);
+        }
+        let id = u16::try_from(self.schemas.len() + 1);
+        let id = id.map_err(|_| io::Error::other("the output needs more than 65,535 schemas"))?;
+        let mut stored =
+            Definition { ty: name.into_owned(), encoding: encoding.into_owned(), ..Definition::default() };
+        match &mut self.file {
+            File::Mcap(writer) => writer.schema(id, (&stored.ty, &stored.encoding), &text)?,
+            _ => stored.text = String::from_utf8_lossy(&text).into_owned(),
+        }
+        self.schemas.insert(origin, id);
+        self.by_id.insert(id, stored);
+        Ok(Some(id))
+    }
+
+    /// Writes a channel, unless an earlier file declared the same channel. Returns its id, which is `id` if possible.
+    pub(super) fn channel(
+        &mut self,
+        (id, schema): (u16, u16),
+        (name, encoding): (&str, &str),
+        mut metadata: BTreeMap<String, String>,
+    ) -> io::Result<u16> {
+        if let Some(qos) = metadata.get_mut(QOS) {
+            *qos = portable_qos(qos);
+        }
+        let digest = digest(&(schema, name, encoding, &metadata));
+        // Channels of the same file stay separate, even if they are equal.
+        let is_used = self.used.contains(&id);
+        if let Some(known) = self.channels.get(&digest).filter(|_| is_used) {
+            return Ok(*known);
+        }
+        let id = if is_used { (0..=u16::MAX).find(|id| !self.used.contains(id)) } else { Some(id) };
+        let id = id.ok_or_else(|| io::Error::other("the output needs more than 65,536 channels"))?;
+        self.used.insert(id);
+        self.channels.insert(digest, id);
+        let value = |key: &str| metadata.get(key).cloned().unwrap_or_default();
+        let stored = self.by_id.get(&schema);
+        let ty = stored.map_or_else(String::new, |stored| stored.ty.clone());
+        let (hash, qos) = (value(HASH), value(QOS));
+        let topic =
+            Topic { id: id.into(), name: name.to_owned(), ty, encoding: encoding.to_owned(), hash, qos };
+        match &mut self.file {
+            File::Mcap(writer) => writer.channel((id, schema), (name, encoding), &metadata)?,
+            File::Sqlite(writer) => {
+                writer.topic(&topic)?;
+                if let Some(stored) = stored.filter(|stored| !stored.text.is_empty()) {
+                    // For an event of a service, rosbag2 stores the definition under the name of the service.
+                    let service = derived_from(&stored.ty).filter(|(kind, _)| *kind == Kind::Service);
+                    let ty = service.map_or(&*stored.ty, |(_, service)| service).to_owned();
+                    if self.defined.insert((ty.clone(), topic.hash.clone())) {
+                        writer.definition(&Definition { ty, hash: topic.hash.clone(), ..stored.clone() })?;
+                    }
+                }
+            }
+            File::New(_) => {}
+        }
+        self.topics.insert(id, (topic, 0));
+        Ok(id)
+    }
+
+    /// Writes a message.
+    pub(super) fn message(&mut self, header: &MessageHeader, payload: &[u8]) -> io::Result<()> {
+        let (id, time) = (header.channel_id, header.log_time);
+        let (first, last) = self.times.unwrap_or((time, time));
+        self.times = Some((first.min(time), last.max(time)));
+        if let Some((_, count)) = self.topics.get_mut(&id) {
+            *count += 1;
+        }
+        match &mut self.file {
+            File::Mcap(writer) => writer.message(header, payload),
+            File::Sqlite(writer) => writer.message(id.into(), time, payload),
+            File::New(_) => Ok(()),
+        }
+    }
+
+    /// Writes a metadata record.
+    pub(super) fn metadata(&mut self, body: &[u8]) -> io::Result<()> {
+        if let File::Sqlite(_) = self.file
+            && let Some(distribution) = stated_distribution(body)
+        {
+            self.distribution = distribution;
+            return Ok(());
+        }
+        let Some(writer) = self.mcap() else { return Ok(()) };
+        writer.metadata(body)
+    }
+
+    /// Writes an attachment of `length` bytes.
+    pub(super) fn attachment(&mut self, length: u64, body: &mut dyn Read) -> io::Result<()> {
+        let Some(writer) = self.mcap() else { return Ok(()) };
+        writer.attachment(length, body)
+    }
+
+    /// Writes a record of an application.
+    pub(super) fn private(&mut self, opcode: u8, body: &[u8], is_in_chunk: bool) -> io::Result<()> {
+        let Some(writer) = self.mcap() else { return Ok(()) };
+        writer.private(opcode, body, is_in_chunk)
+    }
+
+    /// The writer of an MCAP file. In a `SQLite` file, counts a record that is left out.
+    fn mcap(&mut self) -> Option<&mut Writer<&'o mut dyn Write>> {
+        match &mut self.file {
+            File::Mcap(writer) => Some(writer),
+            File::New(_) | File::Sqlite(_) => {
+                self.left_out += 1;
+                None
+            }
+        }
+    }
+
+    /// Writes the end of the file. Returns its content; the name is empty.
+    pub(in crate::convert) fn finish(mut self, problems: &mut Problems) -> io::Result<FileContent> {
+        // Even without records, the output is a valid file.
+        self.start("")?;
+        match self.file {
+            File::New(_) => {}
+            File::Mcap(mut writer) => {
+                if !self.distribution.is_empty() {
+                    let (name, key) = DISTRIBUTION;
+                    let values = [(key.to_owned(), self.distribution)].into();
+                    writer.metadata(&metadata_body(name, &values))?;
+                }
+                writer.finish()?;
+            }
+            File::Sqlite(writer) => writer.finish(&self.distribution)?,
+        }
+        if self.left_out > 0 {
+            problems.note("the output can't contain attachments, metadata records and private records");
+        }
+        Ok(FileContent {
+            name: String::new(),
+            times: self.times,
+            topics: self.topics.into_values().collect(),
+        })
+    }
+}
