@@ -191,9 +191,9 @@ fn invalid_usage_leaves_no_output() {
             "would overwrite the input",
         ),
         (&["none.mcap", "--to=px4@1.17", "-o=out.mcap"], 3, "none.mcap: "),
-        (&["bag.db3", "--to=px4@1.17", "-o=out.mcap"], 3, "expected MCAP"),
+        (&["bag.db3", "--to=px4@1.17", "-o=out.mcap"], 3, "bag.db3: the database is unreadable"),
         (&["text", "--to=px4@1.17", "-o=out.mcap"], 3, "unknown file type"),
-        (&["folder", "--to=px4@1.17", "-o=out.mcap"], 2, "convert each file of the folder"),
+        (&["folder", "--to=px4@1.17", "-o=out.mcap"], 3, "a folder without a metadata.yaml"),
         (&["in.mcap", "--to=px4@1.17", "-o=none/out.mcap"], 3, "none/out.mcap: "),
     ] {
         let output = run(path, arguments);

@@ -157,7 +157,8 @@ pub fn convert(
             (topics, problems)
         }
         (from, to, _) => {
-            let reason = format!("{} can't be converted to {}", from.name(), to.name());
+            let help = if from == Format::Log { ": convert it to MCAP first" } else { "" };
+            let reason = format!("{} can't be converted to {}{help}", from.name(), to.name());
             return Err(Error::Input(reason));
         }
     };

@@ -39,8 +39,15 @@ pub struct OpenedFolder {
 
 /// Opens the folder of a bag. The inner error is the reason why it can't be read.
 pub fn open_folder(folder: &Path, library: &Library) -> io::Result<Result<OpenedFolder, String>> {
-    let Some(metadata) = Metadata::read(folder)? else {
-        return Ok(Err(format!("its {FILE_NAME} isn't the metadata of a rosbag2 bag")));
+    let metadata = match Metadata::read(folder) {
+        Ok(Some(metadata)) => metadata,
+        Ok(None) => return Ok(Err(format!("its {FILE_NAME} isn't the metadata of a rosbag2 bag"))),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {
+            return Ok(Err(format!(
+                "a folder without a {FILE_NAME}: specify a file, or the folder of a bag"
+            )));
+        }
+        Err(error) => return Err(error),
     };
     let clues = || folder_clues(folder, library.shared());
     let definitions = library.choose(&library.depends_on_capture().then(clues).unwrap_or_default());

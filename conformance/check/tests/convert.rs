@@ -1,5 +1,6 @@
 //! Tests of conversions of captures: the output agrees with the target release.
 
+mod bags;
 mod definitions;
 mod files;
 mod formats;

@@ -29,6 +29,8 @@ pub struct Content {
     pub topics: Vec<(i64, [String; 4])>,
     /// The messages: topic, time in ns, and payload.
     pub messages: Vec<(i64, i64, Vec<u8>)>,
+    /// The quality of service of all topics.
+    pub qos: String,
 }
 
 impl Content {
@@ -74,8 +76,8 @@ impl Content {
             connection.execute(statement, row).expect("a definition");
         }
         for (id, [name, ty, encoding, hash]) in &self.topics {
-            let row = params![id, name, ty, encoding, hash];
-            connection.execute("INSERT INTO topics VALUES (?1, ?2, ?3, ?4, '', ?5)", row).expect("a topic");
+            let row = params![id, name, ty, encoding, self.qos, hash];
+            connection.execute("INSERT INTO topics VALUES (?1, ?2, ?3, ?4, ?5, ?6)", row).expect("a topic");
         }
         for (topic, time, payload) in &self.messages {
             let row = params![topic, time, payload];

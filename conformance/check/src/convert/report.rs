@@ -193,7 +193,11 @@ impl ConversionReport {
         let mut parts = Vec::new();
         let from = shown(&self.from.join(", "));
         match &self.to {
-            Some(to) if from.is_empty() => parts.push(format!("no known release to {}", shown(to))),
+            Some(to) if from.is_empty() => {
+                let is_converted = self.count(Action::Converted) > 0;
+                let from = if is_converted { "the schemas of the capture" } else { "no known release" };
+                parts.push(format!("{from} to {}", shown(to)));
+            }
             Some(to) => parts.push(format!("{from} to {}", shown(to))),
             None if from.is_empty() => {}
             None => parts.push(from),

@@ -189,6 +189,7 @@ fn ranges() -> Content {
         definitions: Vec::new(),
         topics: vec![(1, ["/range", ty, "cdr", ""].map(str::to_owned))],
         messages: vec![(1, 1, payload)],
+        ..Content::default()
     }
 }
 

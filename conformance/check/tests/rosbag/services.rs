@@ -206,6 +206,7 @@ fn the_definition_of_an_action_defines_its_types() {
         definitions: vec![["sky_msgs/action/Land", "ros2msg", LAND, ""].map(str::to_owned)],
         topics: vec![topic(1, &types[0]), topic(2, &types[1])],
         messages: vec![(1, 1, feedback), (2, 2, goal)],
+        ..Content::default()
     };
     let result = check_capture(&content.to_bytes()[..], None, FIXED.base()).expect("bytes");
     assert_eq!((violated(&result), corrupt(&result), result.checked), (vec![], vec![], 2));

@@ -116,6 +116,8 @@ impl<R: Read, T: FnMut(Item<'_>, &mut Problems) -> Result<(), Error>> Database<'
                 continue;
             }
             channels.insert(number, id);
+            // In a truncated file, a part of the text may be missing.
+            let qos = if qos.contains('\0') { String::new() } else { qos };
             let stated = self.encodings.and_then(|encodings| encodings.get(&name));
             let encoding = stated.cloned().unwrap_or(encoding);
             let metadata = [(HASH.to_owned(), hash), (QOS.to_owned(), qos)].into();
