@@ -9,7 +9,8 @@ use uavspec_capture::{MCAP_MAGIC, ULOG_MAGIC, ulog};
 use uavspec_check::Opened;
 use uavspec_check::convert::{Action, ConversionReport, Format, Output, Plan, Settings, convert};
 use uavspec_rules::definitions::Library;
-use uavspec_rules::sample::{Bag, Flight};
+use uavspec_rules::sample::{Bag, BagChannel, Flight};
+use uavspec_runtime::cdr::ByteOrder;
 use uavspec_schema::Failure;
 
 use super::Pieces;
@@ -82,26 +83,45 @@ fn records(output: &[u8]) -> u64 {
     count
 }
 
+/// The plan for the conversion to another distribution of ROS 2. The schemas of the bag describe the messages.
+static ROS: LazyLock<Plan> = LazyLock::new(|| {
+    let source = Arc::clone(SOURCE.base());
+    valid(Plan::new(source, &Library::built_in(), Some(&release("ros2@humble")), None))
+});
+
+/// The types of ROS 2 in a seed.
+const SEED_TYPES: [&str; 5] = [
+    "sensor_msgs/msg/Range",
+    "nav_msgs/msg/Odometry",
+    "std_srvs/srv/SetBool_Event",
+    "rcl_interfaces/msg/ParameterEvent",
+    "tf2_msgs/action/LookupTransform_FeedbackMessage",
+];
+
 /// Converts an MCAP file. The output must be readable, and must contain all messages except those that the report lists
 /// as left out.
 pub(super) fn mcap(data: &[u8]) {
     if !data.starts_with(&MCAP_MAGIC) {
         return;
     }
-    for keeps_unconverted in [false, true] {
+    for (plan, keeps_unconverted) in [(&PLAN, false), (&PLAN, true), (&ROS, false)] {
         let settings = Settings { keeps_unconverted, ..Settings::default() };
-        let (report, output) = converted(Box::new(Cursor::new(data.to_vec())), settings);
+        let (report, output) = converted(Box::new(Cursor::new(data.to_vec())), plan, settings);
         assert_eq!(messages(&output), kept(&report));
-        let (_, in_pieces) = converted(Box::new(Pieces::new(data)), settings);
+        let (_, in_pieces) = converted(Box::new(Pieces::new(data)), plan, settings);
         assert!(output == in_pieces, "the output depends on the lengths of reads");
     }
 }
 
-fn converted<'b>(bytes: Box<dyn Read + Send + 'b>, settings: Settings) -> (ConversionReport, Vec<u8>) {
+fn converted<'b>(
+    bytes: Box<dyn Read + Send + 'b>,
+    plan: &Plan,
+    settings: Settings,
+) -> (ConversionReport, Vec<u8>) {
     let mut output = Vec::new();
     let opened =
         Opened { kind: "MCAP", definitions: Arc::clone(SOURCE.base()), bytes, database: None, state: None };
-    let report = convert((Path::new("fuzz.mcap"), opened), &PLAN, settings, Output::Stream(&mut output));
+    let report = convert((Path::new("fuzz.mcap"), opened), plan, settings, Output::Stream(&mut output));
     (report.unwrap_or_else(|error| panic!("{error:?}")), output)
 }
 
@@ -138,5 +158,24 @@ pub(super) fn mcap_seeds() -> Vec<Vec<u8>> {
         }
         .to_bytes()
     };
-    parts.map(part).collect()
+    parts.map(part).chain([ros_seed()]).collect()
+}
+
+/// A bag with messages of ROS 2, and their schemas.
+fn ros_seed() -> Vec<u8> {
+    let library = release("ros2@jazzy");
+    let definitions = library.base();
+    let (mut channels, mut messages) = (Vec::new(), Vec::new());
+    for (number, name) in (0_u16..).zip(SEED_TYPES) {
+        let id = definitions.message_of_type(name).unwrap_or_else(|| panic!("{name}"));
+        let message = definitions.types().get(id).default().to_cdr(ByteOrder::LittleEndian);
+        messages.push((number, 7, message.unwrap_or_else(|error| panic!("{name}: {error}"))));
+        channels.push(BagChannel {
+            topic: format!("/topic{number}"),
+            schema: name.to_owned(),
+            text: definitions.bag_text(id),
+            hash: definitions.captured_hash(definitions.schema.message(id)),
+        });
+    }
+    Bag { application: Vec::new(), channels, endpoints: Vec::new(), messages }.to_bytes()
 }

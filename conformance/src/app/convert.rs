@@ -26,27 +26,32 @@ const EXAMPLES: &str = "Examples, with the files of `uavspec sample`:
   uavspec convert flight.mcap --to px4@1.17 -o converted.mcap
   uavspec convert flight.ulg -o bag.mcap
   uavspec convert flight.mcap -o log.ulg
+  uavspec convert flight.mcap -o bag.db3
 
 With your own files:
   uavspec convert old.mcap --from px4@1.13 --to px4@1.16 -o new.mcap
-  uavspec convert messages.jsonl --to px4@1.16 -o out.jsonl
-  uavspec convert old.ulg --to px4@1.16 --hints hints.toml -o new.ulg";
+  uavspec convert old_bag --to src/my_msgs --hints hints.toml -o new_bag
+  uavspec convert messages.jsonl --to px4@1.16 -o out.jsonl";
 
 const DETAILS: &str = "\
-The output contains the types, the type hashes and the topic versions of the target release. Topics that don't \
-belong to PX4 are copied unchanged.
+The output contains the types, the type hashes and the topic versions of the target. Topics of packages that the \
+target doesn't define are copied unchanged. The schemas in a bag describe its messages, unless they are PX4 messages of \
+a release.
+
+If the name of OUT ends with .mcap, .db3 or .ulg, the output has this format: a log becomes a bag, a bag becomes a log, \
+or the storage of a bag changes. In a bag, topics of a log have the names that PX4 uses in ROS 2, such as \
+/fmu/out/battery_status1_v1. Texts and events are on /rosout, and parameters on /parameter_events. Times are in UTC if \
+the log contains the time of a satellite navigation receiver.
+
+The folder of a bag becomes a new folder, or one file. ROS 2 reads the new folder from Foxy on. Its messages and files \
+are uncompressed. SQLite files can't contain attachments and metadata records.
 
 In MCAP files, each chunk keeps its compression. Attachments, metadata records and private records are copied \
 unchanged. A truncated attachment is left out. CDR and JSON messages are converted; a JSON message with an unknown or a \
-missing field is unreadable. A file that is compressed as a whole becomes an uncompressed file. The files of a folder \
-must be converted separately.
+missing field is unreadable. A file that is compressed as a whole becomes an uncompressed file.
 
 The output of a log contains the formats of the target release. Parameters, information and logged text stay the \
 same. Data that was appended after a crash directly follows the other data.
-
-If the name of OUT ends with .mcap or .ulg, a log becomes a bag, and a bag becomes a log. In a bag, topics have the \
-names that PX4 uses in ROS 2, such as /fmu/out/battery_status1_v1. Texts and events are on /rosout, and parameters on \
-/parameter_events. Times are in UTC if the log contains the time of a satellite navigation receiver.
 
 JSON messages must specify their type or their topic, as for `uavspec check`. Their other members stay the same, and \
 so do values that aren't messages. A value that spans several lines is written on one line.
@@ -64,7 +69,7 @@ becomes a log. The index of an MCAP file is in memory until the end: about 0.6 M
 
 Exit status:
   0  success
-  2  invalid usage, an unknown release, or a mistake in the hints
+  2  invalid usage, invalid or unknown definitions, or a mistake in the hints
   3  the input can't be opened or has an unsupported format, the output can't be
      written, or the run was interrupted
   5  no topic was converted; the output contains the copied topics
@@ -77,17 +82,18 @@ const INTERRUPTED: i32 = 130;
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{DETAILS}"))]
 pub(super) struct ConvertArgs {
-    /// File to convert: a PX4 log, an MCAP file, or JSON messages (JSON Lines, an array, or
-    /// rosbridge). It may be compressed with gzip or zstd.
+    /// File or folder to convert: a PX4 log, an MCAP file, a SQLite file or the folder of a bag, or JSON messages (JSON
+    /// Lines, an array, or rosbridge). A file may be compressed with gzip or zstd.
     #[arg(value_name = "IN")]
     input: PathBuf,
     /// Definitions of the output: a release, such as px4@1.16 or ros2@humble, or a path. Required unless OUT has
     /// another format than IN [default: the messages keep their types].
     #[arg(long, value_name = "DEFINITIONS")]
     to: Option<PathBuf>,
-    /// File to write. It replaces an existing file, but never the input.
+    /// File or folder to write. A file replaces an existing file, but never the input. A folder must be new.
     ///
-    /// If its name ends with .mcap or .ulg, the output has this format. Otherwise, it has the format of the input.
+    /// If its name ends with .mcap, .db3 or .ulg, the output is a file with this format. Otherwise, it has the form of the
+    /// input.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// Definitions of the input, in the same form [default: the schemas in the input, and the release that matches

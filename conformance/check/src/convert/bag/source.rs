@@ -14,6 +14,7 @@ use uavspec_rules::definitions::Shared;
 
 use super::super::Error;
 use super::super::report::Problems;
+use super::declarations::{fits, too_large};
 use crate::{HASH, definitions_of};
 
 /// The metadata key for the quality of service of a channel, as written by rosbag2.
@@ -84,13 +85,28 @@ struct Database<'s, R, T> {
 impl<R: Read, T: FnMut(Item<'_>, &mut Problems) -> Result<(), Error>> Database<'_, R, T> {
     fn read(&mut self, database: &sqlite::Bag) -> Result<(), Error> {
         self.record(Event::Header { profile: PROFILE.to_owned(), library: String::new() })?;
-        let mut topics = Vec::new();
-        let mut is_whole = self.report(database.topics(|topic| topics.push(topic)));
+        let (mut topics, mut size) = (Vec::new(), 0);
+        let result = database.topics(|topic| {
+            let Topic { name, ty, encoding, hash, qos, .. } = &topic;
+            let length = name.len() + ty.len() + encoding.len() + hash.len() + qos.len();
+            if fits(&mut size, length + size_of::<Topic>()) {
+                topics.push(topic);
+            }
+        });
+        let mut is_whole = self.report(result);
         let mut definitions: Facts<Rc<Definition>> = Facts::default();
+        let mut has_room = true;
         is_whole &=
             self.report(definitions_of(database, &topics, self.shared, |ty, definition, is_verified| {
-                definitions.add(ty, &definition.hash, is_verified, Rc::new(definition.clone()));
+                if fits(&mut size, definition.text.len()) {
+                    definitions.add(ty, &definition.hash, is_verified, Rc::new(definition.clone()));
+                } else {
+                    has_room = false;
+                }
             }));
+        if !has_room {
+            self.problems.add(too_large());
+        }
         let (mut schemas, mut channels) = (HashMap::new(), HashMap::new());
         for topic in topics {
             let definition = definitions.of(&topic).cloned();
@@ -109,7 +125,7 @@ impl<R: Read, T: FnMut(Item<'_>, &mut Problems) -> Result<(), Error>> Database<'
                     *entry.insert(id)
                 }
             };
-            let id = u16::try_from(channels.len()).map_err(|_| too_many("topics"))?;
+            let id = u16::try_from(channels.len() + 1).map_err(|_| too_many("topics"))?;
             let Topic { id: number, name, encoding, hash, qos, .. } = topic;
             if channels.contains_key(&number) {
                 self.problems.add(format!("topic {number} is declared again; the first declaration is used"));
