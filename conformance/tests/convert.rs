@@ -145,9 +145,10 @@ fn the_name_of_the_output_decides_its_format() {
     let topics: Vec<String> =
         messages.map(|message| message.expect("a message").channel.topic.clone()).collect();
     assert_eq!(topics, ["/fmu/out/arming_check_request_v1"; 2]);
-    for (output, code, problem) in
-        [("same.mcap", 2, "IN and OUT are both MCAP"), ("same", 2, "choose another format with `-o out.ulg`")]
-    {
+    for (output, code, problem) in [
+        ("same.mcap", 2, "IN and OUT are both MCAP"),
+        ("same", 2, "choose another format, such as `-o out.db3`"),
+    ] {
         let output = run(folder.path(), &["in.mcap", "-o", output]);
         assert_eq!(output.status.code(), Some(code));
         assert!(text(&output.stderr).contains(problem), "{}", text(&output.stderr));

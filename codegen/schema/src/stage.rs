@@ -357,9 +357,13 @@ fn remove(path: &Path) {
     let _ = fs::remove_dir(path);
 }
 
-/// Removes all files in a temporary folder except the lock file.
+/// Removes all files and folders in a temporary folder except the lock file. Links aren't followed.
 fn remove_files(path: &Path) {
-    files(path).for_each(|file| drop(fs::remove_file(file)));
+    files(path).for_each(|file| {
+        if fs::remove_file(&file).is_err() {
+            let _ = fs::remove_dir_all(&file);
+        }
+    });
 }
 
 /// The files in a temporary folder except the lock file.
@@ -373,6 +377,25 @@ mod tests {
     use std::thread;
 
     use super::*;
+
+    #[test]
+    fn a_new_folder_appears_whole_or_not_at_all() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("new");
+        let fill = |error: Option<io::Error>| {
+            write_folder(&path, |staged| {
+                fs::write(staged.join("file"), "text")?;
+                assert!(!path.exists());
+                error.map_or(Ok(()), Err)
+            })
+        };
+        assert!(fill(Some(io::Error::other("full"))).is_err());
+        assert_eq!(fs::read_dir(&folder).expect("a folder").count(), 0);
+        fill(None).expect("a folder");
+        assert_eq!(fs::read_to_string(path.join("file")).expect("a file"), "text");
+        assert_eq!(fill(None).expect_err("it exists").kind(), ErrorKind::AlreadyExists);
+        assert_eq!(fs::read_dir(&folder).expect("a folder").count(), 1);
+    }
 
     fn names(folder: &Path) -> Vec<String> {
         let names = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").file_name());

@@ -18,10 +18,9 @@ use std::path::Path;
 
 use serde::Serialize;
 use tempfile::SpooledTempFile;
-use uavspec_capture::rosbag::sqlite;
 use uavspec_schema::Failure;
 
-use self::bag::{Source, Target};
+use self::bag::{Distribution, Source, Target, Unpacked};
 pub use self::folder::{convert_folder, file_names};
 use self::plan::Converters;
 pub use self::plan::Plan;
@@ -131,10 +130,12 @@ pub fn convert(
     let to = settings.format.unwrap_or(format);
     let Opened { bytes, database, state, .. } = opened;
     let mut problems = Problems::default();
-    let database = database.map(|file| file.open(&mut |problem| problems.add(problem))).transpose();
-    let database = database.map_err(Error::Input)?;
+    if let Some(database) = &database {
+        database.problems.iter().for_each(|problem| problems.add(problem.clone()));
+    }
     let shared = &plan.source().shared;
-    let source = |bytes| Source { bytes, database: database.as_ref(), shared, encodings: None };
+    let bag = database.as_ref().map(|database| &database.bag);
+    let source = |bytes| Source { bytes, database: bag, shared, encodings: None };
     let (topics, found) = match (format, to, output) {
         (Format::Json, Format::Json, Output::Stream(output)) => json::convert(bytes, plan, settings, output)?,
         (Format::Log, Format::Log, Output::Stream(output)) => ulog::convert(bytes, plan, settings, output)?,
@@ -145,12 +146,12 @@ pub fn convert(
             bag_to_log::convert(source(bytes), plan, settings, output)?
         }
         (Format::Bag | Format::Database, Format::Bag | Format::Database, output) => {
-            let is_decompressed = (format, to) != (Format::Bag, Format::Bag);
+            let is_copied = (format, to) == (Format::Bag, Format::Bag);
+            let unpacked = if is_copied { Unpacked::None } else { Unpacked::Cdr };
             let mut converters = Converters::default();
-            let mut target = Target::new(output);
+            let mut target = Target::new(output, distribution(plan, is_copied));
             let mut problems = Problems::default();
-            target.distribution = distribution(plan, database.as_ref()).unwrap_or_default();
-            let settings = (plan, settings, is_decompressed);
+            let settings = (plan, settings, unpacked);
             let topics = bag::convert(source(bytes), settings, &mut target, &mut converters, &mut problems)?;
             plan.check_hints(&converters)?;
             target.finish(&mut problems)?;
@@ -169,16 +170,13 @@ pub fn convert(
     Ok(ConversionReport::new(path, plan, (format, to), topics, problems))
 }
 
-/// The ROS distribution whose definitions are the target.
-fn target_distribution(plan: &Plan) -> Option<String> {
-    plan.target_label()?.strip_prefix("ros2@").map(str::to_owned)
-}
-
-/// The ROS distribution of the messages from a database: the target, or the distribution of the database. MCAP files have a
-/// record with the distribution, which is copied.
-fn distribution(plan: &Plan, database: Option<&sqlite::Bag>) -> Option<String> {
-    let database = database?;
-    target_distribution(plan).or_else(|| Some(database.distribution()))
+/// The ROS distribution in the output. `is_copied` is true if the records of the input are copied.
+fn distribution(plan: &Plan, is_copied: bool) -> Distribution {
+    match plan.target_label().and_then(|label| label.strip_prefix("ros2@")) {
+        Some(name) => Distribution::OfTarget(name.to_owned()),
+        None if is_copied => Distribution::InRecords,
+        None => Distribution::OfInput(String::new()),
+    }
 }
 
 /// The data that was written to a temporary file, from its start.

@@ -1,7 +1,7 @@
 //! Opens a capture for programs that read its records themselves.
 
 use std::io::{self, Cursor, Read};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use uavspec_capture::ENCRYPTED_MAGIC;
@@ -66,32 +66,25 @@ impl OpenedFolder {
     }
 }
 
-/// A `SQLite` file.
-pub struct Database(DatabaseFile);
-
-enum DatabaseFile {
-    Original(PathBuf),
-    /// A copy of a compressed file, or of a pipe.
-    Copy(CopiedFile),
+/// A `SQLite` file that is open.
+pub struct Database {
+    pub(crate) bag: Bag,
+    /// The parts that can't be read.
+    pub(crate) problems: Vec<String>,
+    /// The copy of a compressed file, or of a pipe. Dropped after the file is closed.
+    _copy: Option<CopiedFile>,
 }
 
 impl Database {
-    fn path(&self) -> &Path {
-        match &self.0 {
-            DatabaseFile::Original(path) => path,
-            DatabaseFile::Copy(copy) => copy.path(),
-        }
-    }
-
-    /// Opens the file. Passes the problems that don't prevent reading to `report`. The error is the reason why the file can't
-    /// be read.
-    pub(crate) fn open(self, report: &mut dyn FnMut(String)) -> Result<Bag, String> {
-        let (bag, problems) = Bag::open(self.path()).map_err(|problem| problem.text)?;
-        problems.into_iter().for_each(|problem| report(problem.text));
-        if let DatabaseFile::Copy(copy) = &self.0 {
+    /// Opens a file. The error is the reason why it can't be read.
+    fn open(path: &Path, copy: Option<CopiedFile>) -> Result<Self, String> {
+        let (bag, problems) = Bag::open(path).map_err(|problem| problem.text)?;
+        // If the run is killed, no copy remains.
+        if let Some(copy) = &copy {
             copy.hide();
         }
-        Ok(bag)
+        let problems = problems.into_iter().map(|problem| problem.text).collect();
+        Ok(Self { bag, problems, _copy: copy })
     }
 }
 
@@ -125,17 +118,21 @@ fn open_file(
     }
     let is_database = (SQLITE.detect)(&start);
     let mut whole = Cursor::new(start).chain(bytes);
-    let database = match file.filter(|_| is_database) {
-        Some(file) => Some(DatabaseFile::Original(file.to_path_buf())),
-        None if is_database => match copy(&mut whole) {
-            (Some(copied), None) => Some(DatabaseFile::Copy(copied)),
+    let mut copied = None;
+    if is_database && file.is_none() {
+        copied = match copy(&mut whole) {
+            (Some(copied), None) => Some(copied),
             (_, problem) => return Ok(Err(problem.map(|(_, text)| text).unwrap_or_default())),
-        },
-        None => None,
-    };
-    let database = database.map(Database);
-    let file = database.as_ref().map(Database::path).or(file);
+        };
+    }
+    let place = copied.as_ref().map(|copy| copy.path().to_path_buf());
+    let file = place.as_deref().or(file);
     let (definitions, ahead) = choose(kind, &mut whole, file);
+    let database = file.filter(|_| is_database).map(|file| Database::open(file, copied)).transpose();
+    let database = match database {
+        Ok(database) => database,
+        Err(problem) => return Ok(Err(problem)),
+    };
     let bytes = Box::new(Cursor::new(ahead).chain(whole));
     Ok(Ok(Opened { kind: kind.name, definitions, bytes, database, state }))
 }

@@ -135,9 +135,9 @@ const CAPTURES: &[Dimension] = &[
         };
         let ids = 1..=i64::try_from(count).expect("a number");
         let content = uavspec_test_captures::rosbag::Content {
-            definitions: Vec::new(),
             topics: ids.clone().map(number).collect(),
             messages: ids.map(|id| (id, id, vec![0, 1, 0, 0, 0, 0, 0, 0])).collect(),
+            ..Default::default()
         };
         content.to_bytes()
     }),

@@ -82,7 +82,7 @@ const INTERRUPTED: i32 = 130;
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{DETAILS}"))]
 pub(super) struct ConvertArgs {
-    /// File or folder to convert: a PX4 log, an MCAP file, a SQLite file or the folder of a bag, or JSON messages (JSON
+    /// File or folder to convert: a PX4 log, an MCAP file, a bag of rosbag2 (a .db3 file or a folder), or JSON messages (JSON
     /// Lines, an array, or rosbridge). A file may be compressed with gzip or zstd.
     #[arg(value_name = "IN")]
     input: PathBuf,
@@ -230,7 +230,9 @@ fn status(report: &ConversionReport) -> Status {
     }
     let copied = if report.to.is_some() { 0 } else { report.count(Action::Copied) };
     if report.count(Action::Converted) + copied == 0 {
-        let help = if report.from.is_empty() {
+        let help = if report.count(Action::LeftOut) > 0 {
+            "the report contains the reason for each topic"
+        } else if report.from.is_empty() {
             "set the release of the input, such as --from px4@1.17"
         } else {
             "`uavspec check` lists the topics and their releases"

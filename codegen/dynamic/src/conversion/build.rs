@@ -67,7 +67,7 @@ pub struct Applied {
 
 impl Applied {
     fn none(hints: &Hints) -> Self {
-        Self { hints: vec![false; hints.hints.len()], packages: vec![false; hints.packages.len()] }
+        Self { hints: vec![false; hints.of_messages.len()], packages: vec![false; hints.packages.len()] }
     }
 
     /// Adds the hints that apply to these conversions.
@@ -145,7 +145,7 @@ impl Hints {
     pub fn unused(&self, applied: &Applied, versions: &[(Version<'_>, Version<'_>)]) -> Vec<Mistake> {
         let help = || "correct the name, or remove the hint".to_owned();
         let is_unused = |applied: &[bool], at: usize| applied.get(at) != Some(&true);
-        let hints = self.hints.iter().enumerate().filter(|(at, _)| is_unused(&applied.hints, *at));
+        let hints = self.of_messages.iter().enumerate().filter(|(at, _)| is_unused(&applied.hints, *at));
         let unused = hints.map(|(_, hint)| {
             let reason = versions.iter().find_map(|(old, new)| closest(hint, *old, *new));
             let (span, message) = reason.unwrap_or_else(|| {
@@ -188,7 +188,7 @@ fn closest(hint: &Hint, old: Version<'_>, new: Version<'_>) -> Option<(uavspec_s
 /// Messages with different names that share a topic according to a hint.
 fn shared_topics(old: Version<'_>, new: Version<'_>, hints: &Hints) -> Vec<(MessageId, MessageId)> {
     let mut pairs = Vec::new();
-    for hint in hints.hints.iter().filter(|hint| hint.messages[0].text != hint.messages[1].text) {
+    for hint in hints.of_messages.iter().filter(|hint| hint.messages[0].text != hint.messages[1].text) {
         let find = |side: Version<'_>, at: usize| {
             let messages = &side.package().messages;
             messages.iter().copied().find(|id| side.schema.message(*id).name == hint.messages[at].text)
@@ -276,7 +276,7 @@ impl<'b, 'a> Builder<'b, 'a> {
     fn decisions(&mut self, pair: &Pair<'_>) -> Decisions<'b> {
         let sides = [(pair.old_schema, pair.old), (pair.new_schema, pair.new)];
         let mut decisions = Decisions::default();
-        for (at, hint) in self.hints.hints.iter().enumerate() {
+        for (at, hint) in self.hints.of_messages.iter().enumerate() {
             if missing(hint, sides).is_none() {
                 self.found.applied.hints[at] = true;
                 decisions.add(hint, self.is_forward);

@@ -38,6 +38,8 @@ pub struct Metadata {
     pub storage: String,
     /// The ROS distribution that recorded the bag; empty if unknown.
     pub distribution: String,
+    /// True if each message is compressed separately.
+    pub has_compressed_messages: bool,
     /// The names of the files, in order, without duplicates.
     pub files: Vec<String>,
     /// The number of messages in all files.
@@ -189,6 +191,9 @@ impl Metadata {
         match keys(levels)[..] {
             [ROOT, "storage_identifier"] => value.clone_into(&mut self.storage),
             [ROOT, "ros_distro"] => value.clone_into(&mut self.distribution),
+            [ROOT, "compression_mode"] => {
+                self.has_compressed_messages = value.eq_ignore_ascii_case("message");
+            }
             [ROOT, "message_count"] => self.message_count = self.number(value),
             [ROOT, TOPICS, "", "topic_metadata", "name"] | [ROOT, "files", "", "path"] => {
                 value.clone_into(&mut entry.name);
@@ -277,6 +282,7 @@ mod tests {
         let expected = Metadata {
             storage: "sqlite3".to_owned(),
             distribution: "jazzy".to_owned(),
+            has_compressed_messages: false,
             files: ["bag_0.db3", "bag_1.db3", "passwd"].map(str::to_owned).to_vec(),
             message_count: Some(7),
             file_counts: [("bag_0.db3".to_owned(), 7)].into(),

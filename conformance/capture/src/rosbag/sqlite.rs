@@ -29,7 +29,7 @@ use rusqlite::limits::Limit;
 use rusqlite::types::ValueRef;
 use rusqlite::{Connection, ErrorCode, OpenFlags, Row};
 use uavspec_model::Extent;
-use uavspec_model::text::{command_line, shown, thousands};
+use uavspec_model::text::{command_line, plural, shown, thousands};
 
 use super::metadata;
 use crate::limits::{MAX_HEAP, MAX_NAME, MAX_RECORD, MAX_ROWS};
@@ -383,21 +383,25 @@ impl Bag {
         let query = format!("SELECT rowid, topic_id, timestamp FROM {from}");
         let mut statement = self.connection.prepare(&query)?;
         let mut rows = statement.query([])?;
-        let (mut blob, mut buffer, mut total) = (None, Vec::new(), 0_u64);
+        let (mut blob, mut buffer, mut total, mut untimed) = (None, Vec::new(), 0_u64, 0_u64);
         while let Some(row) = rows.next()? {
             self.used.store(0, Ordering::Relaxed);
             // A value of another type belongs to no topic.
             let topic = row.get_ref(1)?.as_i64().unwrap_or(i64::MIN);
-            let time = row.get_ref(2)?.as_i64().unwrap_or_default();
+            let time = row.get_ref(2)?.as_i64().ok().and_then(|time| u64::try_from(time).ok());
+            untimed += u64::from(time.is_none());
             let payload = self.payload(row.get(0)?, &mut blob, &mut buffer);
             total += MIN_MESSAGE + payload.as_ref().map_or(0, |()| buffer.len() as u64);
             if total > self.size {
                 return Err(too_many());
             }
-            let time = u64::try_from(time).unwrap_or_default();
+            let time = time.unwrap_or_default();
             if take(Message { topic, time, payload: payload.map(|()| &buffer[..]) }).is_break() {
                 break;
             }
+        }
+        if untimed > 0 {
+            return Err(Problem::gap(format!("the times of {} are invalid", plural(untimed, "message"))));
         }
         Ok(())
     }

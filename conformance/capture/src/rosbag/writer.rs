@@ -83,7 +83,7 @@ impl Writer {
         self.insert("INSERT INTO message_definitions VALUES (NULL, ?1, ?2, ?3, ?4)", values)
     }
 
-    /// Writes a message with its log time in ns. SQLite's numbers end in the year 2262.
+    /// Writes a message with its log time in ns. The numbers of `SQLite` end in the year 2262.
     pub fn message(&self, topic: i64, time: u64, payload: &[u8]) -> io::Result<()> {
         let values = params![topic, i64::try_from(time).unwrap_or(i64::MAX), payload];
         self.insert("INSERT INTO messages VALUES (NULL, ?1, ?2, ?3)", values)
@@ -226,7 +226,9 @@ mod tests {
         let definition = Definition { ty, encoding, text, hash };
         writer.definition(&definition).expect("a definition");
         let topics = [topic(3, "/wind"), topic(9, "/gust")];
-        topics.iter().for_each(|topic| writer.topic(topic).expect("a topic"));
+        for topic in &topics {
+            writer.topic(topic).expect("a topic");
+        }
         for (topic, time) in [(3, 20), (9, 10), (3, u64::MAX)] {
             writer.message(topic, time, &[1, 2]).expect("a message");
         }
@@ -267,6 +269,7 @@ mod tests {
         let expected = Metadata {
             storage: "sqlite3".to_owned(),
             distribution: "jazzy".to_owned(),
+            has_compressed_messages: false,
             files: counts.clone().map(|(name, _)| name).to_vec(),
             message_count: Some(5),
             file_counts: counts.into(),

@@ -15,15 +15,15 @@ use uavspec_capture::mcap::{AttachmentHead, Event, Item, Packing, compressed};
 use uavspec_model::json::Tree;
 use uavspec_model::limits::MAX_NAME;
 use uavspec_model::text::{start_of, utf8};
-use uavspec_rules::definitions::Definitions;
+use uavspec_rules::definitions::{Definitions, plain_name};
 use uavspec_runtime::cdr::ByteOrder;
-use uavspec_schema::MessageId;
+use uavspec_schema::{MessageId, derived_from};
 
 use self::declarations::too_large;
 pub(super) use self::declarations::{Declarations, Declared, Schema, declared_again, names};
 pub(super) use self::source::Source;
-pub(super) use self::target::Target;
 use self::target::{Content, Origin};
+pub(super) use self::target::{Distribution, Target};
 use super::plan::{Converted, Converters, Plan, Treatment};
 use super::report::{Action, Problems, TopicReport};
 use super::topic::Topic;
@@ -38,6 +38,8 @@ struct Channel<'p> {
     /// A hash of the declaration.
     digest: u64,
     is_json: bool,
+    /// True if messages that were compressed separately are decompressed.
+    is_unpacked: bool,
     /// The guess about the type of a JSON channel. `None` once it is decided. Until then, the output doesn't contain
     /// the channel.
     guess: Option<Box<Guess>>,
@@ -59,8 +61,7 @@ struct Stream<'p, 'c, 'o> {
     output: &'c mut Target<'o>,
     converters: &'c mut Converters<'p>,
     declarations: Declarations,
-    /// True if messages that were compressed separately are decompressed.
-    is_decompressed: bool,
+    unpacked: Unpacked,
     /// The total size of the messages that wait for a decision, in bytes.
     waiting_size: usize,
     /// The channels, by id.
@@ -69,22 +70,34 @@ struct Stream<'p, 'c, 'o> {
     attachment: Option<SpooledTempFile>,
 }
 
-/// Converts a file, and writes it to the output, which may already contain other files of the bag. `is_decompressed` is true
-/// if messages that were compressed separately are decompressed. Returns the topics. Adds the parts that can't be read.
+/// The messages that are decompressed, if they were compressed separately. Only the metadata of a bag says whether they
+/// were, but CDR can't be confused with compressed data.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Unpacked {
+    None,
+    Cdr,
+    All,
+}
+
+/// Converts a file, and writes it to the output, which may already contain other files of the bag. Returns the topics. Adds
+/// the parts that can't be read.
 pub(super) fn convert<'p>(
     source: Source<'_, impl Read>,
-    (plan, settings, is_decompressed): (&'p Plan, Settings, bool),
+    (plan, settings, unpacked): (&'p Plan, Settings, Unpacked),
     output: &mut Target<'_>,
     converters: &mut Converters<'p>,
     problems: &mut Problems,
 ) -> Result<Vec<TopicReport>, Error> {
+    if let Some(database) = source.database {
+        output.take_distribution(database.distribution());
+    }
     let mut stream = Stream {
         plan,
         settings,
         output,
         converters,
         declarations: Declarations::default(),
-        is_decompressed,
+        unpacked,
         waiting_size: 0,
         channels: Vec::new(),
         attachment: None,
@@ -100,7 +113,7 @@ pub(super) fn convert<'p>(
     Ok(channels.map(|channel| channel.topic.finish()).collect())
 }
 
-impl<'p> Stream<'p, '_, '_> {
+impl Stream<'_, '_, '_> {
     fn item(&mut self, item: Item<'_>, problems: &mut Problems) -> Result<(), Error> {
         let profile = if let Event::Header { profile, .. } = &item.event { profile } else { "" };
         self.output.start(profile)?;
@@ -152,7 +165,7 @@ impl<'p> Stream<'p, '_, '_> {
         if let Some(reason) = self.declarations.refusal(schema, &topic, &encoding, &metadata) {
             let problem = format!("channel {id}: {reason}");
             let topic = Topic::left_out(&start_of(&topic, MAX_NAME), reason);
-            let channel = Channel { topic, id, digest, is_json, guess: None };
+            let channel = Channel { topic, id, digest, is_json, is_unpacked: false, guess: None };
             self.channels[at] = Some(Box::new(channel));
             return Ok(Some(problem));
         }
@@ -168,7 +181,7 @@ impl<'p> Stream<'p, '_, '_> {
         let Some(message_id) = guess else { return self.declare(declared, definition) };
         let topic = Topic::new(&declared.topic, (None, Treatment::Copy), plan, self.settings);
         let guess = Some(Box::new(Guess { message_id, declared, waiting: Vec::new(), size: 0 }));
-        self.channels[at] = Some(Box::new(Channel { topic, id, digest, is_json, guess }));
+        self.channels[at] = Some(Box::new(Channel { topic, id, digest, is_json, is_unpacked: false, guess }));
         Ok(None)
     }
 
@@ -200,20 +213,41 @@ impl<'p> Stream<'p, '_, '_> {
             }
             None => Origin::Input(stored),
         };
-        let mut channel = Channel { id, is_json, digest, guess: None, topic };
-        let mut problem = None;
+        let is_unpacked = match self.unpacked {
+            Unpacked::None => false,
+            Unpacked::Cdr => encoding == "cdr",
+            Unpacked::All => true,
+        };
+        let mut channel = Channel { id, is_json, is_unpacked, digest, guess: None, topic };
         if channel.topic.report.action != Action::LeftOut {
             let content = || content(plan, self.declarations.schema(schema), origin);
-            if let Some(schema) = self.output.schema(origin, content)? {
-                let names = (channel.topic.output_name(), &*encoding);
-                channel.id = self.output.channel((id, schema), names, metadata)?;
-            } else {
+            let Some(content) = self.output.schema(origin, content)? else {
                 channel.topic.leave_out(too_large());
-                problem = Some(format!("channel {id}: {}", too_large()));
+                self.channels[usize::from(id)] = Some(Box::new(channel));
+                return Ok(Some(format!("channel {id}: {}", too_large())));
+            };
+            if self.output.is_database() && metadata.get(HASH).is_none_or(String::is_empty) {
+                // The hash distinguishes several definitions of a type.
+                metadata.extend(self.hash(schema).map(|hash| (HASH.to_owned(), hash)));
+            }
+            let names = (channel.topic.output_name(), &*encoding);
+            match self.output.channel((id, content), names, metadata)? {
+                Some(id) => channel.id = id,
+                None => channel.topic.leave_out(
+                    "a SQLite file can't contain two definitions of its type without type hashes".to_owned(),
+                ),
             }
         }
         self.channels[usize::from(id)] = Some(Box::new(channel));
-        Ok(problem)
+        Ok(None)
+    }
+
+    /// The type hash of a schema of the input. `None` if it isn't the definition of a message.
+    fn hash(&self, schema: u16) -> Option<String> {
+        let (name, encoding, text) = self.declarations.schema(schema)?;
+        let is_message = encoding == "ros2msg" && derived_from(&plain_name(name)).is_none();
+        let stated = is_message.then(|| self.plan.source().shared.stated(name, text))?.ok()?;
+        Some(stated.type_hash.clone())
     }
 
     /// Writes a message. Returns the problem if its channel is unknown, or is left out from now on.
@@ -223,7 +257,7 @@ impl<'p> Stream<'p, '_, '_> {
             return Ok(Some(format!("a message refers to channel {id}, which hasn't been declared yet")));
         };
         let Some(guess) = &mut channel.guess else {
-            channel.write(header, payload, self.output, self.is_decompressed)?;
+            channel.write(header, payload, self.output)?;
             return Ok(None);
         };
         let decision = guess.decision(payload, self.plan.source());
@@ -258,7 +292,7 @@ impl<'p> Stream<'p, '_, '_> {
         let problem = self.declare(declared, definition)?;
         if let Some(channel) = self.channels.get_mut(at).and_then(Option::as_deref_mut) {
             for (header, payload) in waiting {
-                channel.write(header, &payload, self.output, self.is_decompressed)?;
+                channel.write(header, &payload, self.output)?;
             }
         }
         Ok(problem)
@@ -301,18 +335,12 @@ impl<'p> Stream<'p, '_, '_> {
 
 impl Channel<'_> {
     /// Writes a message, unless it is left out.
-    fn write(
-        &mut self,
-        header: MessageHeader,
-        payload: &[u8],
-        output: &mut Target<'_>,
-        is_decompressed: bool,
-    ) -> Result<(), Error> {
+    fn write(&mut self, header: MessageHeader, payload: &[u8], output: &mut Target<'_>) -> Result<(), Error> {
         self.topic.report.messages += 1;
         if self.topic.report.action == Action::LeftOut {
             return Ok(());
         }
-        let payload = if is_decompressed { decompressed(payload) } else { Ok(Cow::Borrowed(payload)) };
+        let payload = if self.is_unpacked { decompressed(payload) } else { Ok(Cow::Borrowed(payload)) };
         let payload = match payload {
             Ok(payload) => payload,
             Err(error) => {
@@ -383,9 +411,7 @@ pub(super) fn treatment<'p>(
     let Declared { topic, encoding, metadata, .. } = declared;
     let stated = schema.map(|(name, encoding, text)| (name.as_str(), encoding.as_str(), &**text));
     let mut of_schema = || match stated {
-        Some((name, "ros2msg", text)) if encoding == "cdr" && !text.is_empty() => {
-            plan.of_schema((name, text), converters)
-        }
+        Some((name, "ros2msg", text)) if encoding == "cdr" => plan.of_schema((name, text), converters),
         _ => None,
     };
     let Some(id) = definition else {

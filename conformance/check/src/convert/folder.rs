@@ -8,7 +8,7 @@ use std::path::Path;
 use uavspec_capture::rosbag::metadata::FILE_NAME;
 use uavspec_capture::rosbag::{BagContent, FileContent};
 
-use super::bag::{Source, Target};
+use super::bag::{Source, Target, Unpacked};
 use super::plan::Converters;
 use super::report::{Problems, TopicReport, merged};
 use super::{ConversionReport, Error, Format, Output, Plan, Settings, bag, distribution};
@@ -46,20 +46,20 @@ pub fn convert_folder(
         problems,
         formats: None,
     };
-    let stated = if opened.metadata.storage == "mcap" { Format::Bag } else { Format::Database };
+    let named = if opened.metadata.storage == "mcap" { Format::Bag } else { Format::Database };
     match output {
         Output::Stream(_) | Output::Database(_) => {
             let format = if matches!(output, Output::Stream(_)) { Format::Bag } else { Format::Database };
-            let mut target = Target::new(output);
+            let mut target = Target::new(output, distribution(plan, false));
             conversion.files(folder, reading, Some(format), &mut |conversion, opened, _, found| {
                 conversion.file(opened, &mut target, found)
             })?;
             plan.check_hints(&conversion.converters)?;
             target.finish(&mut conversion.problems)?;
-            conversion.formats.get_or_insert((stated, format));
+            conversion.formats.get_or_insert((named, format));
         }
         Output::Folder(to) => {
-            let (mut files, mut distribution) = (Vec::new(), String::new());
+            let (mut files, mut stated) = (Vec::new(), None);
             conversion.files(folder, reading, None, &mut |conversion, opened, format, found| {
                 let extension = if format == Format::Bag { "mcap" } else { "db3" };
                 let name = format!("{name}_{}.{extension}", files.len());
@@ -69,28 +69,23 @@ pub fn convert_folder(
                     Format::Bag => Output::Stream(&mut file),
                     _ => Output::Database(&path),
                 };
-                let mut target = Target::new(output);
+                let mut target = Target::new(output, distribution(plan, false));
                 conversion.file(opened, &mut target, found)?;
-                if !target.distribution.is_empty() {
-                    target.distribution.clone_into(&mut distribution);
-                }
+                stated = Some(target.distribution()).filter(|name| !name.is_empty()).or(stated.take());
                 let content = target.finish(found)?;
                 file.flush()?;
                 files.push(FileContent { name, ..content });
                 Ok(())
             })?;
             plan.check_hints(&conversion.converters)?;
-            let (_, format) = *conversion.formats.get_or_insert((stated, stated));
+            let (_, format) = *conversion.formats.get_or_insert((named, named));
             let storage = if format == Format::Bag { "mcap" } else { "sqlite3" };
-            if distribution.is_empty() {
-                distribution.clone_from(&opened.metadata.distribution);
-            }
-            let distribution = super::target_distribution(plan).unwrap_or(distribution);
+            let distribution = stated.unwrap_or_else(|| opened.metadata.distribution.clone());
             BagContent { storage, distribution: &distribution, files: &files }.write(to)?;
         }
     }
     let Conversion { topics, problems, formats, .. } = conversion;
-    let formats = formats.unwrap_or((stated, stated));
+    let formats = formats.unwrap_or((named, named));
     Ok(ConversionReport::new(folder, plan, formats, merged(topics), problems))
 }
 
@@ -142,24 +137,18 @@ impl<'c> Conversion<'c> {
         problems: &mut Problems,
     ) -> Result<(), Error> {
         let Opened { bytes, database, .. } = opened;
-        let database = database.map(|file| file.open(&mut |problem| problems.add(problem))).transpose();
-        let database = match database {
-            Ok(database) => database,
-            Err(problem) => {
-                problems.add(problem);
-                return Ok(());
-            }
-        };
-        if let Some(found) = distribution(self.plan, database.as_ref()) {
-            target.distribution = found;
+        if let Some(database) = &database {
+            database.problems.iter().for_each(|problem| problems.add(problem.clone()));
         }
+        let metadata = &self.opened.metadata;
         let source = Source {
             bytes,
-            database: database.as_ref(),
+            database: database.as_ref().map(|database| &database.bag),
             shared: &self.plan.source().shared,
-            encodings: Some(&self.opened.metadata.encodings),
+            encodings: Some(&metadata.encodings),
         };
-        let settings = (self.plan, self.settings, true);
+        let unpacked = if metadata.has_compressed_messages { Unpacked::All } else { Unpacked::Cdr };
+        let settings = (self.plan, self.settings, unpacked);
         self.topics.extend(bag::convert(source, settings, target, &mut self.converters, problems)?);
         Ok(())
     }

@@ -17,7 +17,7 @@ use uavspec_rules::definitions::{
     Definitions, Family, Library, LoadedRelease, Stated, plain_name, versioned,
 };
 use uavspec_schema::fingerprint::ros_name;
-use uavspec_schema::msg::Dialect;
+use uavspec_schema::msg::{Dialect, Kind};
 use uavspec_schema::source::SourceId;
 use uavspec_schema::{Failure, Form, Message, MessageId, Package, SourceMap};
 
@@ -425,12 +425,18 @@ impl Plan {
         let name = &plain_name(name);
         let (ros_package, _) = name.split_once('/').filter(|_| self.to.is_some())?;
         let package = self.target_package(ros_package)?;
-        if self.target.schema.packages[package].form != Form::Msg(Dialect::Ros2) {
+        let twin = &self.target.schema.packages[package];
+        // An empty text is an empty message, or an unknown definition.
+        let is_empty = || {
+            let found = self.target.message_of_type(&name.replacen(ros_package, &twin.ros_package, 1));
+            found.is_some_and(|id| self.target.schema.message(id).fields.is_empty())
+        };
+        if twin.form != Form::Msg(Dialect::Ros2) || text.is_empty() && !is_empty() {
             return None;
         }
         let digest = digest(&(name, text));
         if !converters.by_schema.contains_key(&digest) {
-            let found = self.from_schema((name, text), package, converters);
+            let found = self.compile_schema((name, text), package, converters);
             converters.by_schema.insert(digest, found);
         }
         Some(match converters.by_schema.get(&digest)? {
@@ -441,7 +447,7 @@ impl Plan {
 
     /// Compiles the conversion from the type in a schema to a package of the target. The error is the reason why there is
     /// none.
-    fn from_schema<'p>(
+    fn compile_schema<'p>(
         &'p self,
         (name, text): (&str, &[u8]),
         package: usize,
@@ -449,6 +455,10 @@ impl Plan {
     ) -> Result<Rc<Converted<'p>>, String> {
         let stated = self.source.shared.stated(name, text);
         let stated = stated.map_err(|problem| format!("its schema is invalid: {problem}"))?;
+        let is_message = stated.schema.message(stated.id).kind == Kind::Message;
+        if is_message && ["/srv/", "/action/"].iter().any(|folder| name.contains(folder)) {
+            return Err("its schema doesn't contain the text of its service or action".to_owned());
+        }
         let num_fields = FieldCounts::default().of(stated.root());
         if num_fields > MAX_BAG_FIELDS - converters.num_fields {
             return Err("the schemas have too many fields".to_owned());

@@ -252,7 +252,7 @@ impl TopicReport {
         for loss in other.losses {
             match self.losses.iter_mut().find(|known| known.text == loss.text) {
                 Some(known) => {
-                    known.messages = known.messages.zip(loss.messages).map(|(one, other)| one + other)
+                    known.messages = known.messages.zip(loss.messages).map(|(one, other)| one + other);
                 }
                 None => self.losses.push(loss),
             }

@@ -15,6 +15,7 @@ use uavspec_check::convert::{
 use uavspec_check::{check_path, open_folder, open_path};
 use uavspec_model::Extent;
 use uavspec_rules::definitions::Library;
+use uavspec_test_captures::mcap;
 use uavspec_test_captures::rosbag::{Content, metadata as metadata_yaml};
 
 use super::{LIBRARY, release, sample};
@@ -239,4 +240,95 @@ fn readable_messages_of_a_truncated_database_are_converted() {
     }
     // Without the root of their table, messages can't be found.
     assert!(most > all / 2, "{most} of {all}");
+}
+
+/// Bags with unusual content: an MCAP file that becomes a `SQLite` file and an MCAP file again. Returns the reports and the
+/// last file.
+fn there_and_back(records: &[Vec<u8>]) -> ([ConversionReport; 2], Vec<u8>) {
+    let folder = TempDir::new().expect("a folder");
+    let [input, database, output] = ["a.mcap", "b.db3", "c.mcap"].map(|name| folder.path().join(name));
+    fs::write(&input, mcap::file(&records.concat())).expect("a file");
+    let reports = [change(&input, &database, None), change(&database, &output, None)];
+    (reports, fs::read(&output).expect("a file"))
+}
+
+/// The schemas of the channels and the payloads of an MCAP file, by topic.
+fn content(bytes: &[u8]) -> BTreeMap<String, (String, Vec<Vec<u8>>)> {
+    let (mut schemas, mut channels) = (BTreeMap::new(), BTreeMap::new());
+    let mut content: BTreeMap<String, (String, Vec<Vec<u8>>)> = BTreeMap::new();
+    let mut reader = Reader::new(bytes);
+    while let Some(item) = reader.next().expect("bytes") {
+        match item.event {
+            Event::Schema { id, encoding, text, .. } => {
+                schemas.insert(id, format!("{encoding} {}", String::from_utf8_lossy(text)));
+            }
+            Event::Channel { id, schema, topic, .. } => {
+                content.entry(topic.clone()).or_default().0.clone_from(&schemas[&schema]);
+                channels.insert(id, topic);
+            }
+            Event::Message { channel, payload, .. } => {
+                content.entry(channels[&channel].clone()).or_default().1.push(payload.to_vec());
+            }
+            _ => {}
+        }
+    }
+    content
+}
+
+#[test]
+fn topics_keep_their_own_definitions_of_a_type() {
+    let payload = [0, 1, 0, 0, 7, 0, 0, 0];
+    let (reports, bytes) = there_and_back(&[
+        mcap::schema(1, "sky_msgs/msg/Wind", "ros2msg", b"int32 x\n"),
+        mcap::schema(2, "sky_msgs/msg/Wind", "ros2msg", b"float32 y\n"),
+        mcap::schema(3, "sky_msgs/msg/Calm", "ros2msg", b""),
+        mcap::channel(1, 1, "/one", "cdr", &[]),
+        mcap::channel(2, 2, "/two", "cdr", &[]),
+        mcap::channel(3, 3, "/three", "cdr", &[]),
+        mcap::message(1, &payload),
+        mcap::message(2, &payload),
+    ]);
+    assert!(reports.iter().all(|report| report.count(Action::Copied) == 3));
+    let content = content(&bytes);
+    let schemas: Vec<&str> = content.values().map(|(schema, _)| schema.as_str()).collect();
+    assert_eq!(schemas, ["ros2msg int32 x\n", "ros2msg ", "ros2msg float32 y\n"]);
+    // Without type hashes, definitions that can't be read can't be distinguished.
+    let (reports, _) = there_and_back(&[
+        mcap::schema(1, "sky_msgs/msg/Wind", "ros2msg", b"?"),
+        mcap::schema(2, "sky_msgs/msg/Wind", "ros2msg", b"!"),
+        mcap::channel(1, 1, "/one", "cdr", &[]),
+        mcap::channel(2, 2, "/two", "cdr", &[]),
+    ]);
+    let left_out = reports[0].topics.iter().find(|topic| topic.action == Action::LeftOut).expect("a topic");
+    assert!(left_out.reason.as_deref().unwrap_or_default().contains("two definitions"), "{left_out:?}");
+}
+
+#[test]
+fn parts_that_sqlite_lacks_are_reported() {
+    let packed = compress_to_vec(&b"text"[..], CompressionLevel::Fastest);
+    let (reports, bytes) = there_and_back(&[
+        mcap::schema(1, "sky.Wind", "protobuf", &[0xff, 0x80]),
+        mcap::channel(1, 1, "/wind", "protobuf", &[]),
+        mcap::message_at(1, u64::MAX, &packed),
+    ]);
+    let notes = [
+        "a SQLite file can't contain schemas that aren't text in UTF-8",
+        "a SQLite file can't contain times after the year 2262, so these messages have the latest possible time",
+    ];
+    assert_eq!(reports[0].notes, notes);
+    // Only CDR can't be confused with compressed data.
+    assert_eq!(content(&bytes)["/wind"], (" ".to_owned(), vec![packed]));
+}
+
+#[test]
+fn the_target_states_the_distribution() {
+    let folder = TempDir::new().expect("a folder");
+    let [input, mcap, output] = ["a.db3", "b.mcap", "c.db3"].map(|name| folder.path().join(name));
+    bag().write(&input);
+    let to = Some(release("ros2@humble"));
+    for (input, output) in [(&input, &mcap), (&mcap, &output)] {
+        change(input, output, to);
+    }
+    let (bag, _) = Database::open(&output).expect("a bag");
+    assert_eq!(bag.distribution(), "humble");
 }

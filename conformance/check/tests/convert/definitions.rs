@@ -286,3 +286,32 @@ fn other_packages_are_copied() {
     assert_eq!((report.count(Action::Copied), report.count(Action::LeftOut)), (2, 0), "{}", report.to_text());
     assert_eq!(Bag::read(output).messages.len(), 2);
 }
+
+/// An empty definition is the definition of an empty message, if the message is also empty in the target.
+#[test]
+fn empty_messages_are_converted() {
+    let records = [
+        mcap::schema(1, "old_msgs/msg/Ping", "ros2msg", b""),
+        mcap::channel(1, 1, "/topic1", "cdr", &[]),
+        mcap::message(1, &[0, 1, 0, 0, 0]),
+    ];
+    let to = changed(&[("old_msgs/msg/Ping.msg", Some("# Nothing.\n"))]);
+    let (report, output) =
+        converted(&mcap::file(&records.concat()), to.path(), None, None).expect("a conversion");
+    assert_eq!((report.count(Action::Converted), report.is_complete()), (1, true), "{}", report.to_text());
+    assert_eq!(Bag::read(output).messages("/topic1"), [(7, &json!({}))]);
+}
+
+/// The text of a service or an action defines the messages that ROS 2 derives from it.
+#[test]
+fn schemas_of_services_have_the_text_of_the_service() {
+    let source = package(OLD);
+    let records = [
+        mcap::schema(1, "old_msgs/srv/Fill_Request", "ros2msg", b"uint16 level\n"),
+        mcap::channel(1, 1, "/topic1", "cdr", &[]),
+    ];
+    let (report, _) =
+        converted(&mcap::file(&records.concat()), source.path(), None, None).expect("a conversion");
+    let reason = report.topics[0].reason.as_deref().unwrap_or_default();
+    assert_eq!(reason, "its schema doesn't contain the text of its service or action");
+}

@@ -10,7 +10,8 @@ use crate::conversion::plan::Narrowing;
 /// The hints in a file.
 #[derive(Clone, Debug, Default)]
 pub struct Hints {
-    pub(in crate::conversion) hints: Vec<Hint>,
+    /// The hints about messages.
+    pub(in crate::conversion) of_messages: Vec<Hint>,
     /// Old and new names of packages.
     pub(in crate::conversion) packages: Vec<[Key; 2]>,
     /// Mistakes in the file, in line order.
@@ -21,7 +22,7 @@ impl Hints {
     /// Adds hints, which take precedence over the existing ones.
     #[must_use]
     pub fn with(mut self, other: Self) -> Self {
-        self.hints.extend(other.hints);
+        self.of_messages.extend(other.of_messages);
         self.packages.extend(other.packages);
         self.mistakes.extend(other.mistakes);
         self
@@ -33,7 +34,7 @@ impl Hints {
             let [old, new] = &hint.messages;
             (old.text == one && new.text == other) || (old.text == other && new.text == one)
         };
-        self.hints.iter().any(is_pair)
+        self.of_messages.iter().any(is_pair)
     }
 
     /// The names that a package may have in the other version, the most likely first: its new name, its old name, or the

@@ -75,7 +75,7 @@ impl Reader {
             };
             for value in tables {
                 match value.get_ref().as_table() {
-                    Some(table) => hints.hints.extend(self.hint(self.span(value.span()), table)),
+                    Some(table) => hints.of_messages.extend(self.hint(self.span(value.span()), table)),
                     None => self.mistyped("hint", "a table", value),
                 }
             }

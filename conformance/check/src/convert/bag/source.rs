@@ -111,7 +111,7 @@ impl<R: Read, T: FnMut(Item<'_>, &mut Problems) -> Result<(), Error>> Database<'
         for topic in topics {
             let definition = definitions.of(&topic).cloned();
             let number = schemas.len() + 1;
-            let at = definition.as_ref().map(|definition| Rc::as_ptr(definition));
+            let at = definition.as_ref().map(Rc::as_ptr);
             let schema = match schemas.entry((topic.ty.clone(), at)) {
                 Entry::Occupied(known) => *known.get(),
                 Entry::Vacant(entry) => {
@@ -180,10 +180,9 @@ impl<R: Read, T: FnMut(Item<'_>, &mut Problems) -> Result<(), Error>> Database<'
 
     /// Adds the problem if there is one. Returns true if there is none.
     fn report(&mut self, result: Result<(), sqlite::Problem>) -> bool {
-        let text = result.err().map(|problem| problem.text);
-        let is_whole = text.is_none();
-        text.into_iter().for_each(|text| self.problems.add(text));
-        is_whole
+        let Err(problem) = result else { return true };
+        self.problems.add(problem.text);
+        false
     }
 }
 

@@ -1,11 +1,12 @@
 //! The file that a conversion writes.
 
 use std::borrow::Cow;
+use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::io::{self, Read, Write};
 
 use mcap::records::MessageHeader;
-use uavspec_capture::mcap::{Packing, Writer, metadata_body};
+use uavspec_capture::mcap::{Packing, Writer, metadata, metadata_body};
 use uavspec_capture::rosbag::sqlite::{Definition, Topic};
 use uavspec_capture::rosbag::{self, FileContent, portable_qos};
 use uavspec_schema::MessageId;
@@ -44,17 +45,36 @@ pub(in crate::convert) struct Target<'o> {
     /// The ids of the channels in the file, by the digest of their declaration.
     channels: HashMap<u64, u16>,
     used: HashSet<u16>,
-    /// The types and hashes whose definitions are in a `SQLite` file.
-    defined: HashSet<(String, String)>,
+    /// The ids of the schemas whose definitions are in a `SQLite` file, by type and hash.
+    defined: HashMap<(String, String), u16>,
     /// The topics in the file, with their numbers of messages, by the id of the channel.
     topics: BTreeMap<u16, (Topic, u64)>,
     /// The first and the last log time, in ns.
     times: Option<(u64, u64)>,
-    /// The ROS distribution of the messages; empty if it is unknown, or if a copied record states it.
-    pub(in crate::convert) distribution: String,
-    /// The number of attachments, metadata records and private records that the file can't contain.
-    left_out: u64,
+    distribution: Distribution,
+    left_out: LeftOut,
 }
+
+/// The ROS distribution in the output.
+pub(in crate::convert) enum Distribution {
+    /// The records of the input state it, and are copied.
+    InRecords,
+    /// The distribution of the input; empty if it is unknown.
+    OfInput(String),
+    /// The distribution of the target.
+    OfTarget(String),
+}
+
+/// The numbers of parts that a `SQLite` file can't contain.
+#[derive(Default)]
+struct LeftOut {
+    records: u64,
+    schemas: u64,
+    times: u64,
+}
+
+/// The latest time in a `SQLite` file, in ns.
+const MAX_TIME: u64 = i64::MAX as u64;
 
 enum File<'o> {
     /// A file without content.
@@ -64,7 +84,8 @@ enum File<'o> {
 }
 
 impl<'o> Target<'o> {
-    pub(in crate::convert) fn new(output: Output<'o>) -> Self {
+    /// Creates a file.
+    pub(in crate::convert) fn new(output: Output<'o>, distribution: Distribution) -> Self {
         Self {
             file: File::New(Some(output)),
             schemas: HashMap::new(),
@@ -72,11 +93,11 @@ impl<'o> Target<'o> {
             size: 0,
             channels: HashMap::new(),
             used: HashSet::new(),
-            defined: HashSet::new(),
+            defined: HashMap::new(),
             topics: BTreeMap::new(),
             times: None,
-            distribution: String::new(),
-            left_out: 0,
+            distribution,
+            left_out: LeftOut::default(),
         }
     }
 
@@ -90,6 +111,20 @@ impl<'o> Target<'o> {
             None => {}
         }
         Ok(())
+    }
+
+    /// True for a `SQLite` file.
+    pub(super) fn is_database(&self) -> bool {
+        matches!(self.file, File::Sqlite(_))
+    }
+
+    /// Takes over the ROS distribution that an input states.
+    pub(super) fn take_distribution(&mut self, found: String) {
+        if let Distribution::OfInput(distribution) = &mut self.distribution
+            && !found.is_empty()
+        {
+            *distribution = found;
+        }
     }
 
     /// Sets the compression of the following records.
@@ -117,22 +152,33 @@ impl<'o> Target<'o> {
         let id = id.map_err(|_| io::Error::other("the output needs more than 65,535 schemas"))?;
         let mut stored =
             Definition { ty: name.into_owned(), encoding: encoding.into_owned(), ..Definition::default() };
-        match &mut self.file {
-            File::Mcap(writer) => writer.schema(id, (&stored.ty, &stored.encoding), &text)?,
-            _ => stored.text = String::from_utf8_lossy(&text).into_owned(),
+        match (&mut self.file, String::from_utf8(text.into_owned())) {
+            (File::Mcap(writer), Ok(text)) => {
+                writer.schema(id, (&stored.ty, &stored.encoding), text.as_bytes())?
+            }
+            (File::Mcap(writer), Err(error)) => {
+                writer.schema(id, (&stored.ty, &stored.encoding), error.as_bytes())?;
+            }
+            (_, Ok(text)) => stored.text = text,
+            // Like a type whose definition is unknown.
+            (_, Err(_)) => {
+                stored.encoding.clear();
+                self.left_out.schemas += 1;
+            }
         }
         self.schemas.insert(origin, id);
         self.by_id.insert(id, stored);
         Ok(Some(id))
     }
 
-    /// Writes a channel, unless an earlier file declared the same channel. Returns its id, which is `id` if possible.
+    /// Writes a channel, unless an earlier file declared the same channel. Returns its id, which is `id` if possible. Returns
+    /// `None` if another channel of a `SQLite` file has another definition of the same type.
     pub(super) fn channel(
         &mut self,
         (id, schema): (u16, u16),
         (name, encoding): (&str, &str),
         mut metadata: BTreeMap<String, String>,
-    ) -> io::Result<u16> {
+    ) -> io::Result<Option<u16>> {
         if let Some(qos) = metadata.get_mut(QOS) {
             *qos = portable_qos(qos);
         }
@@ -140,12 +186,10 @@ impl<'o> Target<'o> {
         // Channels of the same file stay separate, even if they are equal.
         let is_used = self.used.contains(&id);
         if let Some(known) = self.channels.get(&digest).filter(|_| is_used) {
-            return Ok(*known);
+            return Ok(Some(*known));
         }
         let id = if is_used { (0..=u16::MAX).find(|id| !self.used.contains(id)) } else { Some(id) };
         let id = id.ok_or_else(|| io::Error::other("the output needs more than 65,536 channels"))?;
-        self.used.insert(id);
-        self.channels.insert(digest, id);
         let value = |key: &str| metadata.get(key).cloned().unwrap_or_default();
         let stored = self.by_id.get(&schema);
         let ty = stored.map_or_else(String::new, |stored| stored.ty.clone());
@@ -155,25 +199,43 @@ impl<'o> Target<'o> {
         match &mut self.file {
             File::Mcap(writer) => writer.channel((id, schema), (name, encoding), &metadata)?,
             File::Sqlite(writer) => {
-                writer.topic(&topic)?;
-                if let Some(stored) = stored.filter(|stored| !stored.text.is_empty()) {
+                if let Some(stored) = stored.filter(|stored| !stored.encoding.is_empty()) {
                     // For an event of a service, rosbag2 stores the definition under the name of the service.
                     let service = derived_from(&stored.ty).filter(|(kind, _)| *kind == Kind::Service);
                     let ty = service.map_or(&*stored.ty, |(_, service)| service).to_owned();
-                    if self.defined.insert((ty.clone(), topic.hash.clone())) {
-                        writer.definition(&Definition { ty, hash: topic.hash.clone(), ..stored.clone() })?;
+                    match self.defined.entry((ty.clone(), topic.hash.clone())) {
+                        Entry::Vacant(entry) => {
+                            entry.insert(schema);
+                            writer.definition(&Definition {
+                                ty,
+                                hash: topic.hash.clone(),
+                                ..stored.clone()
+                            })?;
+                        }
+                        // Equal hashes mean equal types.
+                        Entry::Occupied(known) if topic.hash.is_empty() && *known.get() != schema => {
+                            return Ok(None);
+                        }
+                        Entry::Occupied(_) => {}
                     }
                 }
+                writer.topic(&topic)?;
             }
             File::New(_) => {}
         }
         self.topics.insert(id, (topic, 0));
-        Ok(id)
+        self.used.insert(id);
+        self.channels.insert(digest, id);
+        Ok(Some(id))
     }
 
     /// Writes a message.
     pub(super) fn message(&mut self, header: &MessageHeader, payload: &[u8]) -> io::Result<()> {
-        let (id, time) = (header.channel_id, header.log_time);
+        let (id, mut time) = (header.channel_id, header.log_time);
+        if self.is_database() && time > MAX_TIME {
+            time = MAX_TIME;
+            self.left_out.times += 1;
+        }
         let (first, last) = self.times.unwrap_or((time, time));
         self.times = Some((first.min(time), last.max(time)));
         if let Some((_, count)) = self.topics.get_mut(&id) {
@@ -188,10 +250,9 @@ impl<'o> Target<'o> {
 
     /// Writes a metadata record.
     pub(super) fn metadata(&mut self, body: &[u8]) -> io::Result<()> {
-        if let File::Sqlite(_) = self.file
-            && let Some(distribution) = stated_distribution(body)
-        {
-            self.distribution = distribution;
+        let is_replaced = !matches!(self.distribution, Distribution::InRecords);
+        if is_replaced && metadata(body).is_some_and(|(name, _)| name == DISTRIBUTION.0) {
+            self.take_distribution(stated_distribution(body).unwrap_or_default());
             return Ok(());
         }
         let Some(writer) = self.mcap() else { return Ok(()) };
@@ -215,9 +276,17 @@ impl<'o> Target<'o> {
         match &mut self.file {
             File::Mcap(writer) => Some(writer),
             File::New(_) | File::Sqlite(_) => {
-                self.left_out += 1;
+                self.left_out.records += 1;
                 None
             }
+        }
+    }
+
+    /// The ROS distribution of the messages; empty if it is unknown, or if a copied record states it.
+    pub(in crate::convert) fn distribution(&self) -> String {
+        match &self.distribution {
+            Distribution::InRecords => String::new(),
+            Distribution::OfInput(name) | Distribution::OfTarget(name) => name.clone(),
         }
     }
 
@@ -225,20 +294,28 @@ impl<'o> Target<'o> {
     pub(in crate::convert) fn finish(mut self, problems: &mut Problems) -> io::Result<FileContent> {
         // Even without records, the output is a valid file.
         self.start("")?;
+        let distribution = self.distribution();
         match self.file {
             File::New(_) => {}
             File::Mcap(mut writer) => {
-                if !self.distribution.is_empty() {
+                if !distribution.is_empty() {
                     let (name, key) = DISTRIBUTION;
-                    let values = [(key.to_owned(), self.distribution)].into();
+                    let values = [(key.to_owned(), distribution)].into();
                     writer.metadata(&metadata_body(name, &values))?;
                 }
                 writer.finish()?;
             }
-            File::Sqlite(writer) => writer.finish(&self.distribution)?,
+            File::Sqlite(writer) => writer.finish(&distribution)?,
         }
-        if self.left_out > 0 {
-            problems.note("the output can't contain attachments, metadata records and private records");
+        let LeftOut { records, schemas, times } = self.left_out;
+        for (count, note) in [
+            (records, "attachments, metadata records and private records"),
+            (schemas, "schemas that aren't text in UTF-8"),
+            (times, "times after the year 2262, so these messages have the latest possible time"),
+        ] {
+            if count > 0 {
+                problems.note(&format!("a SQLite file can't contain {note}"));
+            }
         }
         Ok(FileContent {
             name: String::new(),
