@@ -109,7 +109,7 @@ impl From<io::Error> for Error {
     }
 }
 
-/// Where a conversion writes its result.
+/// The place of a conversion's result.
 pub enum Output<'o> {
     /// A stream, for all formats but `SQLite`.
     Stream(&'o mut dyn Write),
@@ -139,7 +139,8 @@ pub fn convert(
     let (topics, found) = match (format, to, output) {
         (Format::Json, Format::Json, Output::Stream(output)) => json::convert(bytes, plan, settings, output)?,
         (Format::Log, Format::Log, Output::Stream(output)) => ulog::convert(bytes, plan, settings, output)?,
-        (Format::Log, Format::Bag, Output::Stream(output)) => {
+        (Format::Log, Format::Bag | Format::Database, output) => {
+            let output = Target::new(output, Distribution::InRecords);
             log_to_bag::convert(bytes, plan, settings, output)?
         }
         (Format::Bag | Format::Database, Format::Log, Output::Stream(output)) => {
@@ -158,8 +159,7 @@ pub fn convert(
             (topics, problems)
         }
         (from, to, _) => {
-            let help = if from == Format::Log { ": convert it to MCAP first" } else { "" };
-            let reason = format!("{} can't be converted to {}{help}", from.name(), to.name());
+            let reason = format!("{} can't be converted to {}", from.name(), to.name());
             return Err(Error::Input(reason));
         }
     };

@@ -21,9 +21,9 @@ use uavspec_schema::{MessageId, derived_from};
 
 use self::declarations::too_large;
 pub(super) use self::declarations::{Declarations, Declared, Schema, declared_again, names};
-pub(super) use self::source::Source;
-use self::target::{Content, Origin};
-pub(super) use self::target::{Distribution, Target};
+pub(super) use self::source::{PROFILE, Source};
+use self::target::Content;
+pub(super) use self::target::{Distribution, Origin, Target};
 use super::plan::{Converted, Converters, Plan, Treatment};
 use super::report::{Action, Problems, TopicReport};
 use super::topic::Topic;

@@ -3,10 +3,10 @@
 mod timed;
 
 use std::collections::{HashMap, HashSet};
-use std::io::{Read, Write};
+use std::io::Read;
 use std::sync::Arc;
 
-use uavspec_capture::mcap::{Writer, metadata_body};
+use uavspec_capture::mcap::metadata_body;
 use uavspec_capture::ulog::{Event, Item, Log, Record};
 use uavspec_dynamic::MessageType;
 use uavspec_model::{Location, SubjectName};
@@ -16,6 +16,7 @@ use uavspec_rules::definitions::{FROM_PX4, PX4_ROS_PACKAGE, versioned};
 use uavspec_runtime::cdr::ByteOrder;
 
 use self::timed::{Place, Timed};
+use super::bag::{Origin, PROFILE, Target};
 use super::information::Information;
 use super::log::{self, Routes, Sink};
 use super::plan::{Converted, Converters, Plan};
@@ -23,9 +24,9 @@ use super::report::{Action, Problems, TopicReport};
 use super::ros::{self, Parameter, Ros, Text};
 use super::topic::Topic;
 use super::{Error, Settings};
-use crate::HASH;
 use crate::limits::{MAX_CONVERTED_SCHEMAS, MAX_LOG_TOPICS, MAX_PARAMETERS};
 use crate::log::Metadata;
+use crate::{HASH, digest};
 
 /// The metadata keys of a channel for the topic in the log, and for its instance.
 pub(super) const TOPIC: &str = "ulog:topic";
@@ -72,8 +73,6 @@ struct Stream<'p, 'o> {
     by_name: HashMap<(String, u8), usize>,
     /// The channels by the id of their subscription.
     routes: Routes,
-    /// The ids of the schemas in the output, by name and text.
-    schemas: HashMap<(String, String), u16>,
     /// The total size of the schemas of all topics, in bytes.
     size: usize,
     /// The time of the previous message, in µs of the vehicle's clock.
@@ -96,13 +95,14 @@ pub(super) fn convert(
     input: impl Read,
     plan: &Plan,
     settings: Settings,
-    output: &mut dyn Write,
+    mut output: Target<'_>,
 ) -> Result<(Vec<TopicReport>, Problems), Error> {
+    output.start(PROFILE)?;
     let ros = Ros::new()?;
     let mut stream = Stream {
         plan,
         settings,
-        output: Timed::new(Writer::new(output, "ros2")?),
+        output: Timed::new(output),
         ros: &ros,
         problems: Problems::default(),
         converters: Converters::default(),
@@ -110,7 +110,6 @@ pub(super) fn convert(
         names: HashSet::new(),
         by_name: HashMap::new(),
         routes: Routes::default(),
-        schemas: HashMap::new(),
         size: 0,
         time: 0,
         information: Information::default(),
@@ -133,15 +132,9 @@ impl<'p> Stream<'p, '_> {
         if self.is_full() {
             return Ok(None);
         }
-        let next = self.schemas.len() + 1;
-        let key = (name, text);
-        if let Some(id) = self.schemas.get(&key) {
-            return Ok(Some(*id));
-        }
-        let Ok(id) = u16::try_from(next) else { return Ok(None) };
-        self.output.output.schema(id, (&key.0, "ros2msg"), key.1.as_bytes())?;
-        self.schemas.insert(key, id);
-        Ok(Some(id))
+        let origin = Origin::Input(digest(&(&name, &text)));
+        let content = || Some((name.into(), "ros2msg".into(), text.into_bytes().into()));
+        Ok(self.output.output.schema(origin, content)?)
     }
 
     /// True if the schemas take too much space.
@@ -156,7 +149,8 @@ impl<'p> Stream<'p, '_> {
         metadata: [(&str, String); COUNT],
     ) -> Result<(), Error> {
         let metadata = metadata.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
-        Ok(self.output.output.channel((id, schema), (topic, "cdr"), &metadata)?)
+        self.output.output.channel((id, schema), (topic, "cdr"), metadata)?;
+        Ok(())
     }
 
     /// Ends the definitions section: reads the event metadata, and writes the parameters.
@@ -323,7 +317,7 @@ impl<'p> Stream<'p, '_> {
         if let Some(problem) = problem {
             self.problems.add(problem);
         }
-        self.output.output.finish()?;
+        self.output.output.finish(&mut self.problems)?;
         let ros =
             self.ros.channels().into_iter().zip(self.counts).map(|((_, _, topic), messages)| TopicReport {
                 topic: topic.to_owned(),

@@ -148,9 +148,7 @@ impl HintFiles {
             Err(Failure::new(format!("{place}: {}", mistake.message)).with_hint(&mistake.help))
         })
     }
-}
 
-impl HintFiles {
     /// The conversions from a package to another. `is_forward` is true if the other package is newer; `None` if this is
     /// unknown. Adds the hints that are used, and the mistakes in them.
     fn conversions(
@@ -162,17 +160,19 @@ impl HintFiles {
         mistakes: &mut Vec<Mistake>,
     ) -> Vec<Arc<Conversion>> {
         let mut between = |old, new| {
-            let mut found = Conversions::between(old, new, &self.hints);
+            let found = Conversions::between(old, new, &self.hints);
             applied.add(&found);
-            mistakes.append(&mut found.mistakes);
             found
         };
         if is_forward == Some(false) {
-            return between(to, from).backward;
+            let mut found = between(to, from);
+            mistakes.append(&mut found.mistakes);
+            return found.backward;
         }
-        let mut found = between(from, to).forward;
+        let Conversions { forward: mut found, mistakes: added, .. } = between(from, to);
+        mistakes.extend(added);
         if is_forward.is_none() && found.iter().any(|conversion| !conversion.is_decided()) {
-            // The other package may be older.
+            // The other package may be older. If not, hints may only seem to contain mistakes.
             let reversed = between(to, from);
             for conversion in found.iter_mut().filter(|conversion| !conversion.is_decided()) {
                 let other = reversed.find(conversion.from, conversion.to, false);

@@ -332,3 +332,18 @@ fn the_target_states_the_distribution() {
     let (bag, _) = Database::open(&output).expect("a bag");
     assert_eq!(bag.distribution(), "humble");
 }
+
+#[test]
+fn a_log_becomes_the_same_bag_in_each_storage() {
+    let folder = TempDir::new().expect("a folder");
+    let [log, database, through, direct] =
+        ["a.ulg", "b.db3", "c.mcap", "d.mcap"].map(|name| folder.path().join(name));
+    fs::write(&log, sample("px4@1.17").log().to_bytes()).expect("a file");
+    let report = change(&log, &database, None);
+    assert!(report.notes.iter().any(|note| note.contains("the metadata of channels")), "{:?}", report.notes);
+    change(&database, &through, None);
+    change(&log, &direct, None);
+    let [through, direct] = [through, direct].map(|path| content(&fs::read(path).expect("a file")));
+    assert_eq!(through, direct);
+    assert!(direct.len() > 3);
+}

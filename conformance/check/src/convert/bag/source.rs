@@ -24,7 +24,7 @@ pub(super) const QOS: &str = "offered_qos_profiles";
 pub(super) const DISTRIBUTION: (&str, &str) = ("rosbag2", "ROS_DISTRO");
 
 /// The profile of MCAP files that rosbag2 writes.
-const PROFILE: &str = "ros2";
+pub(in crate::convert) const PROFILE: &str = "ros2";
 
 /// A file of a bag.
 pub(in crate::convert) struct Source<'s, R> {

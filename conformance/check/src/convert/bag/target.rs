@@ -21,7 +21,7 @@ use crate::{HASH, digest, stated_distribution};
 
 /// The origin of a schema in the output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Origin {
+pub(in crate::convert) enum Origin {
     /// The schema of the input with this digest.
     Input(u64),
     /// The definition of this message of the target.
@@ -31,14 +31,14 @@ pub(super) enum Origin {
 }
 
 /// The name, the encoding and the text of a schema.
-pub(super) type Content<'s> = (Cow<'s, str>, Cow<'s, str>, Cow<'s, [u8]>);
+pub(in crate::convert) type Content<'s> = (Cow<'s, str>, Cow<'s, str>, Cow<'s, [u8]>);
 
 /// The file that a conversion writes.
 pub(in crate::convert) struct Target<'o> {
     file: File<'o>,
     /// The ids of the schemas in the file.
     schemas: HashMap<Origin, u16>,
-    /// The schemas by id. For an MCAP file, they have no text.
+    /// The schemas by id. The texts are empty, unless a `SQLite` file needs them.
     by_id: HashMap<u16, Definition>,
     /// The total size of the schemas, in bytes.
     size: usize,
@@ -69,6 +69,7 @@ pub(in crate::convert) enum Distribution {
 #[derive(Default)]
 struct LeftOut {
     records: u64,
+    metadata: u64,
     schemas: u64,
     times: u64,
 }
@@ -102,7 +103,7 @@ impl<'o> Target<'o> {
     }
 
     /// Writes the start of the file, unless it is already written. `profile` is the profile of an MCAP file.
-    pub(super) fn start(&mut self, profile: &str) -> io::Result<()> {
+    pub(in crate::convert) fn start(&mut self, profile: &str) -> io::Result<()> {
         let File::New(output) = &mut self.file else { return Ok(()) };
         match output.take() {
             Some(Output::Stream(output)) => self.file = File::Mcap(Box::new(Writer::new(output, profile)?)),
@@ -114,12 +115,12 @@ impl<'o> Target<'o> {
     }
 
     /// True for a `SQLite` file.
-    pub(super) fn is_database(&self) -> bool {
+    pub(in crate::convert) fn is_database(&self) -> bool {
         matches!(self.file, File::Sqlite(_))
     }
 
     /// Takes over the ROS distribution that an input states.
-    pub(super) fn take_distribution(&mut self, found: String) {
+    pub(in crate::convert) fn take_distribution(&mut self, found: String) {
         if let Distribution::OfInput(distribution) = &mut self.distribution
             && !found.is_empty()
         {
@@ -128,7 +129,7 @@ impl<'o> Target<'o> {
     }
 
     /// Sets the compression of the following records.
-    pub(super) fn set_packing(&mut self, packing: Option<Packing>) -> io::Result<()> {
+    pub(in crate::convert) fn set_packing(&mut self, packing: Option<Packing>) -> io::Result<()> {
         match &mut self.file {
             File::Mcap(writer) => writer.set_packing(packing),
             File::New(_) | File::Sqlite(_) => Ok(()),
@@ -136,7 +137,7 @@ impl<'o> Target<'o> {
     }
 
     /// Returns the id of a schema, and writes the schema if necessary. Returns `None` if the schemas take too much space.
-    pub(super) fn schema<'s>(
+    pub(in crate::convert) fn schema<'s>(
         &mut self,
         origin: Origin,
         content: impl FnOnce() -> Option<Content<'s>>,
@@ -173,7 +174,7 @@ impl<'o> Target<'o> {
 
     /// Writes a channel, unless an earlier file declared the same channel. Returns its id, which is `id` if possible. Returns
     /// `None` if another channel of a `SQLite` file has another definition of the same type.
-    pub(super) fn channel(
+    pub(in crate::convert) fn channel(
         &mut self,
         (id, schema): (u16, u16),
         (name, encoding): (&str, &str),
@@ -199,6 +200,8 @@ impl<'o> Target<'o> {
         match &mut self.file {
             File::Mcap(writer) => writer.channel((id, schema), (name, encoding), &metadata)?,
             File::Sqlite(writer) => {
+                let is_kept = |key: &String| [HASH, QOS].contains(&key.as_str());
+                self.left_out.metadata += u64::from(!metadata.keys().all(is_kept));
                 if let Some(stored) = stored.filter(|stored| !stored.encoding.is_empty()) {
                     // For an event of a service, rosbag2 stores the definition under the name of the service.
                     let service = derived_from(&stored.ty).filter(|(kind, _)| *kind == Kind::Service);
@@ -230,7 +233,7 @@ impl<'o> Target<'o> {
     }
 
     /// Writes a message.
-    pub(super) fn message(&mut self, header: &MessageHeader, payload: &[u8]) -> io::Result<()> {
+    pub(in crate::convert) fn message(&mut self, header: &MessageHeader, payload: &[u8]) -> io::Result<()> {
         let (id, mut time) = (header.channel_id, header.log_time);
         if self.is_database() && time > MAX_TIME {
             time = MAX_TIME;
@@ -249,7 +252,7 @@ impl<'o> Target<'o> {
     }
 
     /// Writes a metadata record.
-    pub(super) fn metadata(&mut self, body: &[u8]) -> io::Result<()> {
+    pub(in crate::convert) fn metadata(&mut self, body: &[u8]) -> io::Result<()> {
         let is_replaced = !matches!(self.distribution, Distribution::InRecords);
         if is_replaced && metadata(body).is_some_and(|(name, _)| name == DISTRIBUTION.0) {
             self.take_distribution(stated_distribution(body).unwrap_or_default());
@@ -260,13 +263,24 @@ impl<'o> Target<'o> {
     }
 
     /// Writes an attachment of `length` bytes.
-    pub(super) fn attachment(&mut self, length: u64, body: &mut dyn Read) -> io::Result<()> {
+    pub(in crate::convert) fn attachment(&mut self, length: u64, body: &mut dyn Read) -> io::Result<()> {
         let Some(writer) = self.mcap() else { return Ok(()) };
         writer.attachment(length, body)
     }
 
+    /// Writes the event metadata of a vehicle as an attachment.
+    pub(in crate::convert) fn event_metadata(&mut self, file: &[u8]) -> io::Result<()> {
+        let Some(writer) = self.mcap() else { return Ok(()) };
+        writer.event_metadata(file)
+    }
+
     /// Writes a record of an application.
-    pub(super) fn private(&mut self, opcode: u8, body: &[u8], is_in_chunk: bool) -> io::Result<()> {
+    pub(in crate::convert) fn private(
+        &mut self,
+        opcode: u8,
+        body: &[u8],
+        is_in_chunk: bool,
+    ) -> io::Result<()> {
         let Some(writer) = self.mcap() else { return Ok(()) };
         writer.private(opcode, body, is_in_chunk)
     }
@@ -307,9 +321,10 @@ impl<'o> Target<'o> {
             }
             File::Sqlite(writer) => writer.finish(&distribution)?,
         }
-        let LeftOut { records, schemas, times } = self.left_out;
+        let LeftOut { records, metadata, schemas, times } = self.left_out;
         for (count, note) in [
             (records, "attachments, metadata records and private records"),
+            (metadata, "the metadata of channels, except the type hash and the quality of service"),
             (schemas, "schemas that aren't text in UTF-8"),
             (times, "times after the year 2262, so these messages have the latest possible time"),
         ] {

@@ -4,8 +4,9 @@ use std::io::{self, BufReader, BufWriter, Read, Write};
 
 use mcap::records::MessageHeader;
 use tempfile::SpooledTempFile;
-use uavspec_capture::mcap::{Writer, metadata_body};
+use uavspec_capture::mcap::metadata_body;
 
+use super::super::bag::Target;
 use super::super::{information, rewound};
 use crate::clock::Clock;
 use crate::limits::MAX_IN_MEMORY;
@@ -15,7 +16,7 @@ const STAMP: std::ops::Range<usize> = 4..12;
 
 /// The output. Its messages wait until the log contains the time of a satellite navigation receiver.
 pub(super) struct Timed<'o> {
-    pub(super) output: Writer<&'o mut dyn Write>,
+    pub(super) output: Target<'o>,
     clock: Clock,
     /// The waiting messages. `None` once they have been written.
     waiting: Option<BufWriter<SpooledTempFile>>,
@@ -32,7 +33,7 @@ pub(super) struct Place {
 }
 
 impl<'o> Timed<'o> {
-    pub(super) fn new(output: Writer<&'o mut dyn Write>) -> Self {
+    pub(super) fn new(output: Target<'o>) -> Self {
         let waiting = Some(BufWriter::new(SpooledTempFile::new(MAX_IN_MEMORY)));
         Self { output, clock: Clock::default(), waiting }
     }
