@@ -154,7 +154,7 @@ pub fn convert(
             let mut problems = Problems::default();
             let settings = (plan, settings, unpacked);
             let topics = bag::convert(source(bytes), settings, &mut target, &mut converters, &mut problems)?;
-            plan.check_hints(&converters)?;
+            plan.check_hints(&converters, &mut problems)?;
             target.finish(&mut problems)?;
             (topics, problems)
         }

@@ -61,8 +61,11 @@ impl OpenedFolder {
         path: &Path,
         reading: Reading<'_>,
     ) -> io::Result<Result<Opened<'static>, String>> {
+        let state = FileState::of(path);
         let file = input::up_to_end(metadata::open(path)?)?;
-        open_file((path, Box::new(file)), reading, |_, _, _| (Arc::clone(&self.definitions), Vec::new()))
+        open_file((path, state, Box::new(file)), reading, |_, _, _| {
+            (Arc::clone(&self.definitions), Vec::new())
+        })
     }
 }
 
@@ -77,13 +80,14 @@ pub struct Database {
 
 impl Database {
     /// Opens a file. The error is the reason why it can't be read.
-    fn open(path: &Path, copy: Option<CopiedFile>) -> Result<Self, String> {
+    fn open(path: &Path, copy: Option<(CopiedFile, Option<String>)>) -> Result<Self, String> {
         let (bag, problems) = Bag::open(path).map_err(|problem| problem.text)?;
+        let (copy, problem) = copy.unzip();
         // If the run is killed, no copy remains.
         if let Some(copy) = &copy {
             copy.hide();
         }
-        let problems = problems.into_iter().map(|problem| problem.text).collect();
+        let problems = problems.into_iter().map(|problem| problem.text).chain(problem.flatten()).collect();
         Ok(Self { bag, problems, _copy: copy })
     }
 }
@@ -94,16 +98,18 @@ pub fn open_path(
     library: &Library,
     reading: Reading<'_>,
 ) -> io::Result<Result<Opened<'static>, String>> {
-    open_file((path, input::open(path)?), reading, |kind, bytes, file| choose(kind, bytes, file, library))
+    let state = FileState::of(path);
+    open_file((path, state, input::open(path)?), reading, |kind, bytes, file| {
+        choose(kind, bytes, file, library)
+    })
 }
 
 /// Opens a file. `choose` returns the definitions, and the bytes that it reads.
 fn open_file(
-    (path, file): (&Path, Box<dyn Read + Send>),
+    (path, state, file): (&Path, Option<FileState>, Box<dyn Read + Send>),
     reading: Reading<'_>,
     choose: impl FnOnce(&Kind, &mut dyn Read, Option<&Path>) -> (Arc<Definitions>, Vec<u8>),
 ) -> io::Result<Result<Opened<'static>, String>> {
-    let state = FileState::of(path);
     let (mut bytes, is_plain) = input::decompressed(reading(file))?;
     let file = state.filter(|_| is_plain).map(|_| path);
     let start = read_start(&mut bytes)?;
@@ -121,11 +127,11 @@ fn open_file(
     let mut copied = None;
     if is_database && file.is_none() {
         copied = match copy(&mut whole) {
-            (Some(copied), None) => Some(copied),
-            (_, problem) => return Ok(Err(problem.map(|(_, text)| text).unwrap_or_default())),
+            (Some(copied), problem) => Some((copied, problem.map(|(_, text)| text))),
+            (None, problem) => return Ok(Err(problem.map(|(_, text)| text).unwrap_or_default())),
         };
     }
-    let place = copied.as_ref().map(|copy| copy.path().to_path_buf());
+    let place = copied.as_ref().map(|(copy, _)| copy.path().to_path_buf());
     let file = place.as_deref().or(file);
     let (definitions, ahead) = choose(kind, &mut whole, file);
     let database = file.filter(|_| is_database).map(|file| Database::open(file, copied)).transpose();

@@ -296,9 +296,8 @@ impl Definitions {
     /// True if a capture may contain this type hash for a message. For the event message of a service, captures contain
     /// the hash of the service.
     pub fn has_type_hash(&self, message: &Message, stated: &str) -> bool {
-        let is_stated = |hash: &str| hash.eq_ignore_ascii_case(stated);
-        is_stated(&message.type_hash)
-            || service_hash_of_event(&self.schema, message).is_some_and(|hash| is_stated(&hash))
+        let hashes = [&message.type_hash, &self.captured_hash(message)];
+        hashes.iter().any(|hash| hash.eq_ignore_ascii_case(stated))
     }
 
     /// True if a release defines a message with the same fields and this version. A type hash doesn't cover the version.

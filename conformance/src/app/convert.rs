@@ -12,14 +12,14 @@ use uavspec_check::convert::{
     Action, ConversionReport, Error, Format, Output, Plan, Settings, convert, convert_folder, file_names,
 };
 use uavspec_check::{open_folder, open_path};
-use uavspec_rules::definitions::{Definitions, Library};
+use uavspec_rules::definitions::Definitions;
 use uavspec_schema::Failure;
 use uavspec_schema::stage::{write_at, write_file, write_folder};
 
 use super::outputs::{self, Inputs, Output as NamedOutput};
 use super::progress::Progress;
 use super::report::print_result;
-use super::{Exit, Format as ReportFormat, Status, uninterruptible, unreadable};
+use super::{Exit, Format as ReportFormat, Status, library, uninterruptible, unreadable};
 
 const EXAMPLES: &str = "Examples, with the files of `uavspec sample`:
   uavspec convert flight.ulg --to px4@1.16 -o converted.ulg
@@ -35,22 +35,23 @@ With your own files:
 
 const DETAILS: &str = "\
 The output contains the types, the type hashes and the topic versions of the target. Topics of packages that the \
-target doesn't define are copied unchanged. The schemas in a bag describe its messages, unless they are PX4 messages of \
-a release.
+target doesn't define are copied unchanged. uavspec reads the old definitions from the schemas in a bag. For PX4 \
+messages, it uses the definitions of the release that they agree with.
 
 If the name of OUT ends with .mcap, .db3 or .ulg, the output has this format: a log becomes a bag, a bag becomes a log, \
 or the storage of a bag changes. In a bag, topics of a log have the names that PX4 uses in ROS 2, such as \
 /fmu/out/battery_status1_v1. Texts and events are on /rosout, and parameters on /parameter_events. Times are in UTC if \
 the log contains the time of a satellite navigation receiver.
 
-The folder of a bag becomes a new folder, or one file. ROS 2 reads the new folder from Foxy on. Its messages and files \
-are uncompressed. SQLite files can't contain attachments and metadata records.
+The folder of a bag becomes a new folder, or one file. ROS 2 Foxy and later read the new folder. Its messages and \
+files are uncompressed. SQLite files can't contain attachments, metadata records, private records, publish times, \
+sequence numbers, and most metadata of channels.
 
 In MCAP files, each chunk keeps its compression. Attachments, metadata records and private records are copied \
 unchanged. A truncated attachment is left out. CDR and JSON messages are converted; a JSON message with an unknown or a \
 missing field is unreadable. A file that is compressed as a whole becomes an uncompressed file.
 
-The output of a log contains the formats of the target release. Parameters, information and logged text stay the \
+The output of a log contains the formats of the target. Parameters, information and logged text stay the \
 same. Data that was appended after a crash directly follows the other data.
 
 JSON messages must specify their type or their topic, as for `uavspec check`. Their other members stay the same, and \
@@ -63,9 +64,9 @@ output, and an existing file stays unchanged.
 Limits: a converted message may take up to 256 MiB in memory. The schemas and channels of a bag may take up to 64 MiB, \
 including the names of attachments and metadata records. The names of schemas and topics in a bag may have up to 256 \
 bytes. A JSON value may have up to 16 MiB. A log, or a file with JSON messages, may have up to 10,000 topics and \
-types. The information of a log may have up to 4 MiB. A temporary file stores an attachment of more than 16 MiB until \
+types. A SQLite file may have up to 10,000 topics, and a message in it up to 64 MiB. The information of a log may have up to 4 MiB. A temporary file stores an attachment of more than 16 MiB until \
 it is complete. It also stores more than 4 MiB of messages of a log until a time in UTC is known, and of a bag that \
-becomes a log. The index of an MCAP file is in memory until the end: about 0.6 MiB for each GiB of a bag with 235 topics.
+becomes a log, and a compressed SQLite file of up to 16 GiB. The index of an MCAP file is in memory until the end: about 0.6 MiB for each GiB of a bag with 235 topics.
 
 Exit status:
   0  success
@@ -96,7 +97,7 @@ pub(super) struct ConvertArgs {
     /// input.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
-    /// Definitions of the input, in the same form [default: the schemas in the input, and the release that matches
+    /// Definitions of the input: a release or a path [default: the schemas in the input, and the release that matches
     /// best].
     #[arg(long, value_name = "DEFINITIONS")]
     from: Option<PathBuf>,
@@ -124,10 +125,8 @@ pub(super) fn run(args: &ConvertArgs) -> Exit {
         ..Inputs::default()
     };
     outputs::check(&inputs, &[NamedOutput::new("--output", &args.output)])?;
-    let usage = |failure: Failure| Status::Usage.failed(&failure);
-    let load = |path: &PathBuf| Library::load(path, None);
-    let source = args.from.as_ref().map_or_else(|| Ok(Library::built_in()), load).map_err(usage)?;
-    let target = args.to.as_ref().map(load).transpose().map_err(usage)?;
+    let source = library(args.from.as_deref(), None, &[])?;
+    let target = args.to.as_deref().map(|path| library(Some(path), None, &[])).transpose()?;
     let interrupted = interruption()?;
     let progress = Progress::bytes(Input::Path(args.input.clone()).size().unwrap_or_default());
     let reading = |input| {
@@ -136,13 +135,14 @@ pub(super) fn run(args: &ConvertArgs) -> Exit {
     };
     let settings = Settings { format: format_of(&args.output), keeps_unconverted: args.keep_unconverted };
     let plan = |definitions: &Arc<Definitions>| {
-        Plan::new(Arc::clone(definitions), &source, target.as_ref(), args.hints.as_deref()).map_err(usage)
+        let plan = Plan::new(Arc::clone(definitions), &source, target.as_ref(), args.hints.as_deref());
+        plan.map_err(|failure: Failure| Status::Usage.failed(&failure))
     };
     let report = if let Some(folder) = folder_of(&args.input) {
         let opened = open_folder(folder, &source).map_err(|error| unreadable(&args.input, error))?;
         let opened = opened.map_err(|reason| unreadable(&args.input, reason))?;
         if target.is_none() && settings.format.is_none() {
-            return Err(without_target(Format::Bag));
+            return Err(without_target("folders", "out.mcap"));
         }
         let plan = plan(&opened.definitions)?;
         let name = file_names(&args.output);
@@ -155,7 +155,8 @@ pub(super) fn run(args: &ConvertArgs) -> Exit {
         let opened = opened.map_err(|reason| unreadable(&args.input, reason))?;
         let format = Format::of(&opened).map_err(|error| failed(args, error))?;
         if target.is_none() && settings.format.is_none_or(|wanted| wanted == format) {
-            return Err(without_target(format));
+            let other = if format == Format::Bag { "out.db3" } else { "out.mcap" };
+            return Err(without_target(&format!("{} files", format.name()), other));
         }
         let plan = plan(&opened.definitions)?;
         write(args, Some(settings.format.unwrap_or(format)), &interrupted, |output| {
@@ -172,12 +173,10 @@ pub(super) fn run(args: &ConvertArgs) -> Exit {
 }
 
 /// Prints the error for a conversion that would change nothing.
-fn without_target(format: Format) -> Status {
-    let other = if format == Format::Bag { "out.db3" } else { "out.mcap" };
+fn without_target(both: &str, other: &str) -> Status {
     let help =
         format!("add definitions, such as `--to px4@1.16`, or choose another format, such as `-o {other}`");
-    let problem = format!("--to is required, because IN and OUT are both {}", format.name());
-    Status::Usage.with_help(problem, &help)
+    Status::Usage.with_help(format!("--to is required, because IN and OUT are both {both}"), &help)
 }
 
 /// The format that the name of a file indicates.
@@ -277,6 +276,7 @@ mod tests {
 
     use uavspec_check::Opened;
     use uavspec_check::convert::convert as convert_capture;
+    use uavspec_rules::definitions::Library;
 
     use super::*;
 

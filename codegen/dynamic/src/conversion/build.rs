@@ -156,7 +156,7 @@ impl Hints {
         });
         let packages = self.packages.iter().enumerate().filter(|(at, _)| is_unused(&applied.packages, *at));
         let packages = packages.map(|(_, [old, new])| {
-            let message = format!("no message is converted from `{}` to `{}`", old.text, new.text);
+            let message = format!("`{}` and `{}` aren't versions of the same package", old.text, new.text);
             Mistake { span: old.span, message, help: help() }
         });
         unused.chain(packages).collect()

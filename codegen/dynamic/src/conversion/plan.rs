@@ -27,6 +27,8 @@ pub struct Conversion {
     pub undecided: Vec<Undecided>,
     /// A nested message whose conversion is undecided.
     pub blocked_by: Option<MessageId>,
+    /// True if hints decide a part.
+    pub uses_hints: bool,
 }
 
 impl Conversion {

@@ -83,7 +83,7 @@ impl Writer {
         self.insert("INSERT INTO message_definitions VALUES (NULL, ?1, ?2, ?3, ?4)", values)
     }
 
-    /// Writes a message with its log time in ns. The numbers of `SQLite` end in the year 2262.
+    /// Writes a message with its log time in ns. `SQLite` can't store times after 2262.
     pub fn message(&self, topic: i64, time: u64, payload: &[u8]) -> io::Result<()> {
         let values = params![topic, i64::try_from(time).unwrap_or(i64::MAX), payload];
         self.insert("INSERT INTO messages VALUES (NULL, ?1, ?2, ?3)", values)

@@ -91,6 +91,7 @@ pub(super) fn convert<'p>(
     if let Some(database) = source.database {
         output.take_distribution(database.distribution());
     }
+    output.next_input();
     let mut stream = Stream {
         plan,
         settings,
@@ -140,7 +141,9 @@ impl Stream<'_, '_, '_> {
             Event::Header { .. } | Event::Problem(_) => None,
         };
         if let Some(problem) = found {
-            problems.add(format!("byte {}: {problem}", item.offset));
+            // A SQLite file has no offsets.
+            let place = if item.offset > 0 { format!("byte {}: ", item.offset) } else { String::new() };
+            problems.add(place + &problem);
         }
         Ok(())
     }
@@ -226,7 +229,9 @@ impl Stream<'_, '_, '_> {
                 self.channels[usize::from(id)] = Some(Box::new(channel));
                 return Ok(Some(format!("channel {id}: {}", too_large())));
             };
-            if self.output.is_database() && metadata.get(HASH).is_none_or(String::is_empty) {
+            let is_copied = matches!(origin, Origin::Input(_));
+            let lacks_hash = metadata.get(HASH).is_none_or(String::is_empty);
+            if self.output.is_database() && is_copied && lacks_hash {
                 // The hash distinguishes several definitions of a type.
                 metadata.extend(self.hash(schema).map(|hash| (HASH.to_owned(), hash)));
             }
@@ -234,7 +239,9 @@ impl Stream<'_, '_, '_> {
             match self.output.channel((id, content), names, metadata)? {
                 Some(id) => channel.id = id,
                 None => channel.topic.leave_out(
-                    "a SQLite file can't contain two definitions of its type without type hashes".to_owned(),
+                    "another topic has a different definition of this type, and a SQLite file can't distinguish them \
+                     without type hashes"
+                        .to_owned(),
                 ),
             }
         }

@@ -46,6 +46,11 @@ pub fn convert_folder(
         problems,
         formats: None,
     };
+    if settings.format == Some(Format::Log) {
+        return Err(Error::Input(
+            "a folder can't be converted to ULog: convert each of its files".to_owned(),
+        ));
+    }
     let named = if opened.metadata.storage == "mcap" { Format::Bag } else { Format::Database };
     match output {
         Output::Stream(_) | Output::Database(_) => {
@@ -54,7 +59,7 @@ pub fn convert_folder(
             conversion.files(folder, reading, Some(format), &mut |conversion, opened, _, found| {
                 conversion.file(opened, &mut target, found)
             })?;
-            plan.check_hints(&conversion.converters)?;
+            plan.check_hints(&conversion.converters, &mut conversion.problems)?;
             target.finish(&mut conversion.problems)?;
             conversion.formats.get_or_insert((named, format));
         }
@@ -77,11 +82,11 @@ pub fn convert_folder(
                 files.push(FileContent { name, ..content });
                 Ok(())
             })?;
-            plan.check_hints(&conversion.converters)?;
+            plan.check_hints(&conversion.converters, &mut conversion.problems)?;
             let (_, format) = *conversion.formats.get_or_insert((named, named));
             let storage = if format == Format::Bag { "mcap" } else { "sqlite3" };
-            let distribution = stated.unwrap_or_else(|| opened.metadata.distribution.clone());
-            BagContent { storage, distribution: &distribution, files: &files }.write(to)?;
+            let distribution = &stated.unwrap_or_default();
+            BagContent { storage, distribution, files: &files }.write(to)?;
         }
     }
     let Conversion { topics, problems, formats, .. } = conversion;
@@ -141,6 +146,7 @@ impl<'c> Conversion<'c> {
             database.problems.iter().for_each(|problem| problems.add(problem.clone()));
         }
         let metadata = &self.opened.metadata;
+        target.take_distribution(metadata.distribution.clone());
         let source = Source {
             bytes,
             database: database.as_ref().map(|database| &database.bag),

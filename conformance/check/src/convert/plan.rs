@@ -9,18 +9,19 @@ use std::sync::Arc;
 use uavspec_definitions::PX4_HINTS;
 use uavspec_dynamic::MessageType;
 use uavspec_dynamic::conversion::{
-    Applied, Conversion, Conversions, Converter, Hints, Mistake, Version, read_hints,
+    Applied, Conversion, Conversions, Converter, Hints, Mistake, Undecided, Version, read_hints,
 };
 use uavspec_model::text::terminal;
 use uavspec_px4::memory::FieldCounts;
 use uavspec_rules::definitions::{
     Definitions, Family, Library, LoadedRelease, Stated, plain_name, versioned,
 };
-use uavspec_schema::fingerprint::ros_name;
+use uavspec_schema::fingerprint::{ros_name, type_hash};
 use uavspec_schema::msg::{Dialect, Kind};
 use uavspec_schema::source::SourceId;
 use uavspec_schema::{Failure, Form, Message, MessageId, Package, SourceMap};
 
+use super::report::Problems;
 use crate::limits::MAX_BAG_FIELDS;
 use crate::{StatedType, digest, topic_of};
 
@@ -139,18 +140,28 @@ impl HintFiles {
 
     /// Fails if one of these mistakes is in the user's hints.
     fn check<'m>(&self, mistakes: impl IntoIterator<Item = &'m Mistake>) -> Result<(), Failure> {
-        let is_own = |span| self.own == Some(self.sources.source_of(span));
-        let first = mistakes.into_iter().find(|mistake| is_own(mistake.span));
+        let first = mistakes.into_iter().find(|mistake| self.is_own(mistake));
         first.map_or(Ok(()), |mistake| {
-            let position = self.sources.position(mistake.span);
-            let path = self.sources.path(self.sources.source_of(mistake.span));
-            let place = format!("{path}:{}:{}", position.line, position.column);
-            Err(Failure::new(format!("{place}: {}", mistake.message)).with_hint(&mistake.help))
+            let message = format!("{}: {}", self.place(mistake), mistake.message);
+            Err(Failure::new(message).with_hint(&mistake.help))
         })
     }
 
-    /// The conversions from a package to another. `is_forward` is true if the other package is newer; `None` if this is
-    /// unknown. Adds the hints that are used, and the mistakes in them.
+    /// True if a mistake is in the user's hints.
+    fn is_own(&self, mistake: &Mistake) -> bool {
+        self.own == Some(self.sources.source_of(mistake.span))
+    }
+
+    /// The location of a mistake.
+    fn place(&self, mistake: &Mistake) -> String {
+        let position = self.sources.position(mistake.span);
+        let path = self.sources.path(self.sources.source_of(mistake.span));
+        format!("{path}:{}:{}", position.line, position.column)
+    }
+
+    /// The conversions from a package to another. `is_forward` is true if the other package is newer. If this is unknown, a
+    /// hint describes the change to the other package, unless it only applies in the opposite direction. Adds the hints that
+    /// are used, and the mistakes in them.
     fn conversions(
         &self,
         from: Version<'_>,
@@ -171,16 +182,39 @@ impl HintFiles {
         }
         let Conversions { forward: mut found, mistakes: added, .. } = between(from, to);
         mistakes.extend(added);
-        if is_forward.is_none() && found.iter().any(|conversion| !conversion.is_decided()) {
-            // The other package may be older. If not, hints may only seem to contain mistakes.
-            let reversed = between(to, from);
-            for conversion in found.iter_mut().filter(|conversion| !conversion.is_decided()) {
-                let other = reversed.find(conversion.from, conversion.to, false);
-                if let Some(other) = other.filter(|other| other.is_decided()) {
-                    *conversion = Arc::clone(other);
+        let is_open = |conversion: &Arc<Conversion>| conversion.uses_hints || !conversion.is_decided();
+        if is_forward.is_some() || (self.own.is_none() && !found.iter().any(is_open)) {
+            return found;
+        }
+        // In this direction, hints may only seem to contain mistakes.
+        let reversed = between(to, from);
+        let plain = Conversions::between(from, to, &Hints::default());
+        for conversion in &mut found {
+            let ids = (conversion.from, conversion.to);
+            if type_hash(from.schema, ids.0) == type_hash(to.schema, ids.1) {
+                // Equal types need no hints.
+                if let Some(plain) = plain.find(ids.0, ids.1, true) {
+                    *conversion = Arc::clone(plain);
                 }
+                continue;
+            }
+            let Some(other) = reversed.find(ids.0, ids.1, false).filter(|other| other.uses_hints) else {
+                continue;
+            };
+            if !conversion.uses_hints {
+                *conversion = Arc::clone(other);
+            } else if format!("{:?}", conversion.steps) != format!("{:?}", other.steps) {
+                let message = "the hints apply in both directions, with different results".to_owned();
+                let help = "remove the hints for the direction that isn't needed".to_owned();
+                let span = to.schema.message(ids.1).span;
+                Arc::make_mut(conversion).undecided.push(Undecided { span, old: None, message, help });
             }
         }
+        let is_new = |other: &Arc<Conversion>| {
+            !found.iter().any(|known| (known.from, known.to) == (other.from, other.to))
+        };
+        let added: Vec<_> = reversed.backward.into_iter().filter(is_new).collect();
+        found.extend(added);
         found
     }
 }
@@ -222,11 +256,28 @@ impl Plan {
             packages: BTreeMap::new(),
             applied: Applied::default(),
         };
+        plan.check_packages()?;
         plan.add_packages(library)?;
         if !plan.converts_schemas() {
-            plan.check_hints(&Converters::default())?;
+            let unused = plan.unused_hints(&Applied::default());
+            plan.hints.check(&unused)?;
         }
         Ok(plan)
+    }
+
+    /// Fails if the target contains several versions of a package.
+    fn check_packages(&self) -> Result<(), Failure> {
+        let defined = self.target.schema.packages.iter().filter(|package| self.target.defines(package));
+        let mut known: BTreeMap<&str, &str> = BTreeMap::new();
+        for package in defined.filter(|_| self.to.as_ref().is_some_and(|to| to.release.is_none())) {
+            if let Some(other) = known.insert(&package.ros_package, &package.name) {
+                let Package { name, ros_package, .. } = package;
+                let message =
+                    format!("`{other}` and `{name}` are both versions of the package `{ros_package}`");
+                return Err(Failure::new(message).with_hint("specify the path of one version"));
+            }
+        }
+        Ok(())
     }
 
     /// Adds the conversions of all packages. Fails if the user's hints contain a mistake.
@@ -284,24 +335,38 @@ impl Plan {
         self.to.is_some() && self.target.schema.packages.iter().any(is_ros)
     }
 
-    /// Fails if one of the user's hints is never used, or contains a mistake. `converters` contains the conversions of a
-    /// finished run.
-    pub(super) fn check_hints(&self, converters: &Converters<'_>) -> Result<(), Failure> {
+    /// Fails if the user's hints contain a mistake that a finished run detected. Notes the hints that it never used, because
+    /// another bag may need them.
+    pub(super) fn check_hints(
+        &self,
+        converters: &Converters<'_>,
+        problems: &mut Problems,
+    ) -> Result<(), Failure> {
         self.hints.check(&converters.mistakes)?;
-        if self.packages.is_empty() && !self.converts_schemas() {
-            return Ok(());
+        if self.converts_schemas() {
+            let unused = self.unused_hints(&converters.applied);
+            for mistake in unused.iter().filter(|mistake| self.hints.is_own(mistake)) {
+                problems.note(&format!("{}: this hint isn't used", self.hints.place(mistake)));
+            }
         }
-        let mut applied = self.applied.clone();
-        applied.merge(&converters.applied);
+        Ok(())
+    }
+
+    /// The hints that neither the releases nor the schemas of a capture need. `applied` contains those that the schemas
+    /// need.
+    fn unused_hints(&self, applied: &Applied) -> Vec<Mistake> {
+        if self.packages.is_empty() && !self.converts_schemas() {
+            return Vec::new();
+        }
+        let mut all = self.applied.clone();
+        all.merge(applied);
         let version = |schema, package| Version { schema, package };
-        // The schemas of the capture aren't known any more, and other packages don't explain the reason.
-        let packages = self.packages.keys().filter(|_| !self.converts_schemas());
-        let versions = packages.filter_map(|at| {
+        let versions = self.packages.keys().filter_map(|at| {
             let package = &self.source.schema.packages[*at];
             let twin = self.target_package(&package.ros_package)?;
             Some((version(&self.source.schema, *at), version(&self.target.schema, twin)))
         });
-        self.hints.check(&self.hints.hints.unused(&applied, &versions.collect::<Vec<_>>()))
+        self.hints.hints.unused(&all, &versions.collect::<Vec<_>>())
     }
 
     /// The definitions of the capture.
@@ -461,7 +526,7 @@ impl Plan {
         }
         let num_fields = FieldCounts::default().of(stated.root());
         if num_fields > MAX_BAG_FIELDS - converters.num_fields {
-            return Err("the schemas have too many fields".to_owned());
+            return Err(format!("the types of the schemas have more than {MAX_BAG_FIELDS} fields"));
         }
         converters.num_fields += num_fields;
         let message = stated.schema.message(stated.id);
@@ -554,9 +619,17 @@ impl Plan {
 
     /// The name of a type in the output, if it changes. The notation stays the same.
     pub(super) fn renamed_type(&self, ty: &str, conversion: &Conversion) -> Option<String> {
-        let target = &self.target.schema.message(conversion.to).name;
-        let (package, name) = ty.rsplit_once('/')?;
-        (name != target).then(|| format!("{package}/{target}"))
+        let target = self.target.schema.message(conversion.to);
+        let source = &self.source.schema.package_of(self.source.schema.message(conversion.from)).ros_package;
+        let (package, _) = ty.rsplit_once('/')?;
+        let package = match package.split_once('/').unwrap_or((package, "")) {
+            (own, rest) if own == source => {
+                let separator = if rest.is_empty() { "" } else { "/" };
+                format!("{}{separator}{rest}", self.target.schema.package_of(target).ros_package)
+            }
+            _ => package.to_owned(),
+        };
+        Some(format!("{package}/{}", target.name)).filter(|renamed| renamed != ty)
     }
 
     /// The full ROS name and the type hash of a message of the target, as captures contain them.

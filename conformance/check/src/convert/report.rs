@@ -28,9 +28,9 @@ pub struct ConversionReport {
     pub uavspec: String,
     /// The path of the capture.
     pub capture: String,
-    /// The releases that the capture agrees with, such as `px4@1.18`.
+    /// The releases that the capture agrees with, such as `px4@1.18`, or the path of its definitions.
     pub from: Vec<String>,
-    /// The target release. `None` if the messages keep their types.
+    /// The target: a release, or the path of definitions. `None` if the messages keep their types.
     pub to: Option<String>,
     /// The format of the capture.
     pub from_format: Format,
@@ -55,7 +55,7 @@ pub struct TopicReport {
     pub renamed: Option<String>,
     /// The treatment of the messages.
     pub action: Action,
-    /// The release of the source message.
+    /// The release of the source message. `None` if a schema of the capture defines it.
     pub from: Option<String>,
     /// The reason why messages are left out or copied unchanged.
     pub reason: Option<String>,
@@ -75,7 +75,7 @@ pub struct TopicReport {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Action {
-    /// The messages have the definition of a release: the target, or the release that they agree with.
+    /// The messages have a definition of the target, or of the release that they agree with.
     Converted,
     /// The messages keep their fields.
     Copied,
@@ -195,7 +195,7 @@ impl ConversionReport {
         match &self.to {
             Some(to) if from.is_empty() => {
                 let is_converted = self.count(Action::Converted) > 0;
-                let from = if is_converted { "the schemas of the capture" } else { "no known release" };
+                let from = if is_converted { "its own definitions" } else { "no known release" };
                 parts.push(format!("{from} to {}", shown(to)));
             }
             Some(to) => parts.push(format!("{from} to {}", shown(to))),

@@ -300,7 +300,10 @@ fn topics_keep_their_own_definitions_of_a_type() {
         mcap::channel(2, 2, "/two", "cdr", &[]),
     ]);
     let left_out = reports[0].topics.iter().find(|topic| topic.action == Action::LeftOut).expect("a topic");
-    assert!(left_out.reason.as_deref().unwrap_or_default().contains("two definitions"), "{left_out:?}");
+    assert!(
+        left_out.reason.as_deref().unwrap_or_default().contains("a different definition of this type"),
+        "{left_out:?}"
+    );
 }
 
 #[test]
@@ -312,8 +315,8 @@ fn parts_that_sqlite_lacks_are_reported() {
         mcap::message_at(1, u64::MAX, &packed),
     ]);
     let notes = [
-        "a SQLite file can't contain schemas that aren't text in UTF-8",
-        "a SQLite file can't contain times after the year 2262, so these messages have the latest possible time",
+        "a SQLite file can't contain schemas that aren't text in UTF-8 (1): they are left out",
+        "a SQLite file can't contain times after 2262 (1): these messages get the latest possible time",
     ];
     assert_eq!(reports[0].notes, notes);
     // Only CDR can't be confused with compressed data.
@@ -340,7 +343,7 @@ fn a_log_becomes_the_same_bag_in_each_storage() {
         ["a.ulg", "b.db3", "c.mcap", "d.mcap"].map(|name| folder.path().join(name));
     fs::write(&log, sample("px4@1.17").log().to_bytes()).expect("a file");
     let report = change(&log, &database, None);
-    assert!(report.notes.iter().any(|note| note.contains("the metadata of channels")), "{:?}", report.notes);
+    assert!(report.notes.iter().any(|note| note.contains("most metadata of channels")), "{:?}", report.notes);
     change(&database, &through, None);
     change(&log, &direct, None);
     let [through, direct] = [through, direct].map(|path| content(&fs::read(path).expect("a file")));

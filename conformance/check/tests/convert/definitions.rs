@@ -196,19 +196,88 @@ fn changes_that_the_definitions_do_not_decide_leave_messages_out() {
 }
 
 #[test]
-fn hints_that_are_never_used_fail() {
+fn hints_with_mistakes_fail_and_unused_hints_are_noted() {
     let source = package(OLD);
     let bag = bag(source.path(), &[("old_msgs/msg/Tank", tank())]);
-    for (hints, expected) in [
-        ("[[hint]]\nmessage = \"Winch\"\nnew.id = 0\n", "hints.toml:2:11: "),
-        ("[packages]\nwinch_msgs = \"new_msgs\"\n", "hints.toml:2:1: "),
-        ("[[hint]]\nmessage = \"Tank\"\nnew.mode = \"temp + 1\"\n", "hints.toml:3:5: "),
+    for (hints, place) in [
+        ("[[hint]]\nmessage = \"Winch\"\nnew.id = 0\n", "2:11"),
+        ("[packages]\nwinch_msgs = \"new_msgs\"\n", "2:1"),
     ] {
-        let Err(Error::Hints(failure)) = converted(&bag, source.path(), None, Some(hints)) else {
-            panic!("{hints}")
-        };
-        assert!(failure.to_string().contains(expected), "{failure}");
+        let (report, _) = converted(&bag, source.path(), None, Some(hints)).expect("a conversion");
+        let [note] = &report.notes[..] else { panic!("{:?}", report.notes) };
+        assert!(note.ends_with(&format!("hints.toml:{place}: this hint isn't used")), "{note}");
     }
+    let to = changed(&[(TANK, Some(&OLD[0].1.replace("temp", "temperature")))]);
+    let hints = "[[hint]]\nmessage = \"Tank\"\nnew.mode = \"temp + 1\"\n";
+    let Err(Error::Hints(failure)) = converted(&bag, to.path(), None, Some(hints)) else {
+        panic!("no failure")
+    };
+    assert!(failure.to_string().contains("hints.toml:3:5: "), "{failure}");
+}
+
+/// If the order of two packages is unknown, a hint describes the change to the target, unless it only applies in the
+/// opposite direction.
+#[test]
+fn hints_never_change_values_twice() {
+    let level = |factor: &str| OLD[0].1.replace("int32 level", factor);
+    let tenfold = |tank: &mut serde_json::Map<String, Value>| tank["level"] = json!(700);
+    let to = changed(&[(TANK, Some(&level("int64 level")))]);
+    let hints = "[[hint]]\nmessage = \"Tank\"\nnew.level = \"level * 10\"\n";
+    assert_eq!(migrated(to.path(), Some(hints)).0.expect("a message").1, tank_with(tenfold));
+    // Equal definitions need no hints.
+    let same = package(OLD);
+    assert_eq!(migrated(same.path(), Some(hints)).0.expect("a message").1, tank());
+    // Both directions are possible.
+    let hints = format!("{hints}old.level = \"level * 2\"\n");
+    let (found, reason) = migrated(to.path(), Some(&hints));
+    assert_eq!(found, None);
+    assert!(reason[0].contains("the hints apply in both directions, with different results"), "{reason:?}");
+}
+
+#[test]
+fn messages_get_their_old_names_back() {
+    let text = OLD[1].1;
+    let source = package(&[("old_msgs/msg/Valve.msg", text)]);
+    let to = package(&[("old_msgs/msg/Tap.msg", "bool is_open\nfloat32 flow\nint8 size\n")]);
+    let valve = json!({"is_open": true, "flow": 1.5});
+    let bag = bag(source.path(), &[("old_msgs/msg/Valve", valve)]);
+    for (old, new) in [("Valve", "Tap"), ("Tap", "Valve")] {
+        let hints = format!("[[hint]]\nold_message = \"{old}\"\nnew_message = \"{new}\"\n");
+        let (report, output) = converted(&bag, to.path(), None, Some(&hints)).expect("a conversion");
+        assert_eq!(report.count(Action::Converted), 1, "{old}: {}", report.to_text());
+        let message = json!({"is_open": true, "flow": 1.5, "size": 0});
+        assert_eq!(Bag::read(output).messages("/topic1"), [(7, &message)]);
+    }
+}
+
+/// A package keeps its name if the target contains it, even if a hint says that another package became this package.
+#[test]
+fn packages_keep_their_names_if_possible() {
+    let source = package(&[("new_msgs/msg/Valve.msg", OLD[1].1)]);
+    let to = package(&[("old_msgs/msg/Valve.msg", OLD[1].1), ("new_msgs/msg/Valve.msg", OLD[1].1)]);
+    let bag = bag(source.path(), &[("new_msgs/msg/Valve", json!({"is_open": true, "flow": 1.5}))]);
+    let hints = "[packages]\nold_msgs = \"new_msgs\"\n";
+    let (report, output) = converted(&bag, to.path(), None, Some(hints)).expect("a conversion");
+    assert_eq!(report.count(Action::Converted), 1, "{}", report.to_text());
+    assert_eq!(Bag::read(output).types["/topic1"].root().package(), "new_msgs");
+}
+
+#[test]
+fn the_target_has_one_version_of_each_package() {
+    let to = package(OLD);
+    let folders: String = ["one", "two"]
+        .map(|name| {
+            format!(
+                "[[package]]\nname = \"{name}\"\nros_package = \"old_msgs\"\ndialect = \"ros2\"\ninclude = \
+                 [\"old_msgs/msg/*.msg\"]\n"
+            )
+        })
+        .concat();
+    fs::write(to.path().join("uavspec.toml"), folders).expect("a file");
+    let library = Library::load(to.path(), None).expect("definitions");
+    let plan = Plan::new(LIBRARY.base().clone(), &LIBRARY, Some(&library), None);
+    let failure = plan.err().expect("a failure").to_string();
+    assert!(failure.contains("`one` and `two` are both versions of the package `old_msgs`"), "{failure}");
 }
 
 #[test]

@@ -28,6 +28,7 @@ impl<'a> Builder<'_, 'a> {
             unchecked: Vec::new(),
             undecided: Vec::new(),
             blocked_by: None,
+            uses_hints: !decisions.is_empty(),
         };
         let mut steps = Vec::new();
         for target in 0..direction.to.message.fields.len() {
@@ -68,6 +69,7 @@ impl<'a> Builder<'_, 'a> {
                 if !found.is_decided() {
                     conversion.blocked_by.get_or_insert(to);
                 }
+                conversion.uses_hints |= found.uses_hints;
                 copy.elements = Elements::Message(found);
             }
         }

@@ -37,14 +37,14 @@ impl Hints {
         self.of_messages.iter().any(is_pair)
     }
 
-    /// The names that a package may have in the other version, the most likely first: its new name, its old name, or the
-    /// same name.
+    /// The names that a package may have in the other version, the most likely first: its new name, the same name, or its old
+    /// name.
     pub fn counterparts<'n>(&'n self, package: &'n str) -> impl Iterator<Item = &'n str> {
         let names = |from: usize, to: usize| {
             let pairs = self.packages.iter().filter(move |pair| pair[from].text == package);
             pairs.map(move |pair| pair[to].text.as_str())
         };
-        names(0, 1).chain(names(1, 0)).chain([package])
+        names(0, 1).chain([package]).chain(names(1, 0))
     }
 }
 
@@ -108,6 +108,11 @@ pub(in crate::conversion) struct Decisions<'h> {
 }
 
 impl<'h> Decisions<'h> {
+    /// True if no hint decides anything.
+    pub(in crate::conversion) fn is_empty(&self) -> bool {
+        self.values.is_empty() && self.renamed.is_empty() && self.narrow.is_empty() && self.same.is_empty()
+    }
+
     /// Adds the decisions of a hint.
     pub(in crate::conversion) fn add(&mut self, hint: &'h Hint, is_forward: bool) {
         let target = usize::from(is_forward);

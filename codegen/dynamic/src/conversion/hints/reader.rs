@@ -52,11 +52,7 @@ impl Reader {
         let found = value.get_ref().type_str();
         let message = format!("`{key}`: expected {expected}, found type {found}");
         let span = self.span(value.span());
-        self.mistake(
-            span,
-            message,
-            "the guide describes all keys in the chapter \"Convert between releases\"",
-        );
+        self.mistake(span, message, "the guide describes all keys in the chapter \"Generate conversions\"");
     }
 
     fn file(&mut self, table: &DeTable<'_>) -> Hints {
@@ -249,7 +245,7 @@ impl Reader {
                 self.mistake(
                     place,
                     message,
-                    "the guide describes expressions in the chapter \"Convert between releases\"",
+                    "the guide describes expressions in the chapter \"Generate conversions\"",
                 );
                 None
             }

@@ -85,17 +85,17 @@ struct Database<'s, R, T> {
 impl<R: Read, T: FnMut(Item<'_>, &mut Problems) -> Result<(), Error>> Database<'_, R, T> {
     fn read(&mut self, database: &sqlite::Bag) -> Result<(), Error> {
         self.record(Event::Header { profile: PROFILE.to_owned(), library: String::new() })?;
-        let (mut topics, mut size) = (Vec::new(), 0);
+        let (mut topics, mut size, mut has_room) = (Vec::new(), 0, true);
         let result = database.topics(|topic| {
             let Topic { name, ty, encoding, hash, qos, .. } = &topic;
             let length = name.len() + ty.len() + encoding.len() + hash.len() + qos.len();
-            if fits(&mut size, length + size_of::<Topic>()) {
+            has_room &= fits(&mut size, length + size_of::<Topic>());
+            if has_room {
                 topics.push(topic);
             }
         });
         let mut is_whole = self.report(result);
         let mut definitions: Facts<Rc<Definition>> = Facts::default();
-        let mut has_room = true;
         is_whole &=
             self.report(definitions_of(database, &topics, self.shared, |ty, definition, is_verified| {
                 if fits(&mut size, definition.text.len()) {
@@ -173,7 +173,7 @@ impl<R: Read, T: FnMut(Item<'_>, &mut Problems) -> Result<(), Error>> Database<'
         // SQLite reads the file. Reading as many bytes shows the progress, and notices an interruption.
         io::copy(&mut self.input.take(payload.len() as u64), &mut io::sink())?;
         if let Some(error) = self.input.error.take() {
-            return Err(Error::Write(error));
+            return Err(Error::Input(error.to_string()));
         }
         self.record(Event::Message { channel, time, publish_time: time, sequence: 0, payload })
     }

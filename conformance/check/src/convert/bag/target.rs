@@ -9,6 +9,7 @@ use mcap::records::MessageHeader;
 use uavspec_capture::mcap::{Packing, Writer, metadata, metadata_body};
 use uavspec_capture::rosbag::sqlite::{Definition, Topic};
 use uavspec_capture::rosbag::{self, FileContent, portable_qos};
+use uavspec_model::text::thousands;
 use uavspec_schema::MessageId;
 use uavspec_schema::derived_from;
 use uavspec_schema::msg::Kind;
@@ -45,6 +46,10 @@ pub(in crate::convert) struct Target<'o> {
     /// The ids of the channels in the file, by the digest of their declaration.
     channels: HashMap<u64, u16>,
     used: HashSet<u16>,
+    /// The ids that channels of the current input use.
+    current: HashSet<u16>,
+    /// The next id for a channel whose own id is used.
+    next: u16,
     /// The ids of the schemas whose definitions are in a `SQLite` file, by type and hash.
     defined: HashMap<(String, String), u16>,
     /// The topics in the file, with their numbers of messages, by the id of the channel.
@@ -71,6 +76,8 @@ struct LeftOut {
     records: u64,
     metadata: u64,
     schemas: u64,
+    /// Publish times that differ from the log time, and sequence numbers.
+    headers: u64,
     times: u64,
 }
 
@@ -94,6 +101,8 @@ impl<'o> Target<'o> {
             size: 0,
             channels: HashMap::new(),
             used: HashSet::new(),
+            current: HashSet::new(),
+            next: 0,
             defined: HashMap::new(),
             topics: BTreeMap::new(),
             times: None,
@@ -112,6 +121,11 @@ impl<'o> Target<'o> {
             None => {}
         }
         Ok(())
+    }
+
+    /// Begins with the channels of another file.
+    pub(in crate::convert) fn next_input(&mut self) {
+        self.current.clear();
     }
 
     /// True for a `SQLite` file.
@@ -184,13 +198,18 @@ impl<'o> Target<'o> {
             *qos = portable_qos(qos);
         }
         let digest = digest(&(schema, name, encoding, &metadata));
-        // Channels of the same file stay separate, even if they are equal.
-        let is_used = self.used.contains(&id);
-        if let Some(known) = self.channels.get(&digest).filter(|_| is_used) {
+        // Channels of the same input stay separate, even if they are equal.
+        if let Some(known) = self.channels.get(&digest).filter(|known| !self.current.contains(known)) {
+            self.current.insert(*known);
             return Ok(Some(*known));
         }
-        let id = if is_used { (0..=u16::MAX).find(|id| !self.used.contains(id)) } else { Some(id) };
-        let id = id.ok_or_else(|| io::Error::other("the output needs more than 65,536 channels"))?;
+        let mut free = id;
+        while self.used.contains(&free) {
+            let next = self.next.checked_add(1);
+            free = self.next;
+            self.next = next.ok_or_else(|| io::Error::other("the output needs more than 65,535 channels"))?;
+        }
+        let id = free;
         let value = |key: &str| metadata.get(key).cloned().unwrap_or_default();
         let stored = self.by_id.get(&schema);
         let ty = stored.map_or_else(String::new, |stored| stored.ty.clone());
@@ -216,10 +235,12 @@ impl<'o> Target<'o> {
                             })?;
                         }
                         // Equal hashes mean equal types.
-                        Entry::Occupied(known) if topic.hash.is_empty() && *known.get() != schema => {
-                            return Ok(None);
+                        Entry::Occupied(known) => {
+                            let text = self.by_id.get(known.get()).map(|known| &known.text);
+                            if topic.hash.is_empty() && text != Some(&stored.text) {
+                                return Ok(None);
+                            }
                         }
-                        Entry::Occupied(_) => {}
                     }
                 }
                 writer.topic(&topic)?;
@@ -228,6 +249,7 @@ impl<'o> Target<'o> {
         }
         self.topics.insert(id, (topic, 0));
         self.used.insert(id);
+        self.current.insert(id);
         self.channels.insert(digest, id);
         Ok(Some(id))
     }
@@ -235,9 +257,10 @@ impl<'o> Target<'o> {
     /// Writes a message.
     pub(in crate::convert) fn message(&mut self, header: &MessageHeader, payload: &[u8]) -> io::Result<()> {
         let (id, mut time) = (header.channel_id, header.log_time);
-        if self.is_database() && time > MAX_TIME {
-            time = MAX_TIME;
-            self.left_out.times += 1;
+        if self.is_database() {
+            self.left_out.times += u64::from(time > MAX_TIME);
+            self.left_out.headers += u64::from(header.sequence != 0 || header.publish_time != time);
+            time = time.min(MAX_TIME);
         }
         let (first, last) = self.times.unwrap_or((time, time));
         self.times = Some((first.min(time), last.max(time)));
@@ -321,15 +344,18 @@ impl<'o> Target<'o> {
             }
             File::Sqlite(writer) => writer.finish(&distribution)?,
         }
-        let LeftOut { records, metadata, schemas, times } = self.left_out;
-        for (count, note) in [
-            (records, "attachments, metadata records and private records"),
-            (metadata, "the metadata of channels, except the type hash and the quality of service"),
-            (schemas, "schemas that aren't text in UTF-8"),
-            (times, "times after the year 2262, so these messages have the latest possible time"),
+        let LeftOut { records, metadata, schemas, headers, times } = self.left_out;
+        let left_out = "they are left out";
+        for (count, what, result) in [
+            (records, "attachments, metadata records and private records", left_out),
+            (metadata, "most metadata of channels", left_out),
+            (schemas, "schemas that aren't text in UTF-8", left_out),
+            (headers, "publish times and sequence numbers", left_out),
+            (times, "times after 2262", "these messages get the latest possible time"),
         ] {
             if count > 0 {
-                problems.note(&format!("a SQLite file can't contain {note}"));
+                let count = thousands(count);
+                problems.note(&format!("a SQLite file can't contain {what} ({count}): {result}"));
             }
         }
         Ok(FileContent {
