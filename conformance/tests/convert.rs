@@ -252,3 +252,32 @@ fn unreadable_messages_are_counted() {
     assert_eq!(output.status.code(), Some(6), "{}", text(&output.stdout));
     assert!(text(&output.stdout).contains("1 unreadable message left out"), "{}", text(&output.stdout));
 }
+
+#[test]
+fn folders_become_folders_or_files() {
+    let folder = workspace();
+    let path = folder.path();
+    fs::create_dir(path.join("bag")).expect("a folder");
+    let first = run(path, &["in.mcap", "-o=bag/in.db3"]);
+    assert_eq!(first.status.code(), Some(0), "{}", text(&first.stderr));
+    assert!(text(&first.stdout).contains("publish times and sequence numbers (2): they are left out"));
+    let metadata = "rosbag2_bagfile_information:\n  version: 4\n  storage_identifier: sqlite3\n  \
+                    relative_file_paths:\n    - in.db3\n";
+    fs::write(path.join("bag/metadata.yaml"), metadata).expect("a file");
+    for (arguments, status, wanted) in [
+        (&["bag", "--to=px4@1.17", "-o=new"][..], 0, "1 topic converted"),
+        (&["bag", "--to=px4@1.17", "-o=new"], 3, "new: it already exists"),
+        (&["bag/metadata.yaml", "--to=px4@1.17", "-o=other"], 0, "1 topic converted"),
+        (&["bag", "-o=out.mcap"], 0, "SQLite to MCAP"),
+        (&["bag", "-o=out.ulg"], 3, "convert each of its files"),
+        (&["bag", "-o=missing"], 2, "IN and OUT are both folders"),
+        (&["bag", "--to=bag/metadata.yaml", "-o=missing"], 2, ""),
+    ] {
+        let output = run(path, arguments);
+        let printed = text(&output.stdout) + &text(&output.stderr);
+        assert_eq!(output.status.code(), Some(status), "{arguments:?}: {printed}");
+        assert!(printed.contains(wanted), "{arguments:?}: {printed}");
+    }
+    assert_eq!(names(path), ["bag", "in.mcap", "new", "other", "out.mcap"]);
+    assert_eq!(names(&path.join("other")), ["metadata.yaml", "other_0.db3"]);
+}

@@ -39,10 +39,10 @@ pub enum Format {
     Log,
     /// An MCAP file.
     #[serde(rename = "MCAP")]
-    Bag,
+    Mcap,
     /// A `SQLite` file of rosbag2.
     #[serde(rename = "SQLite")]
-    Database,
+    Sqlite,
 }
 
 impl Format {
@@ -51,8 +51,8 @@ impl Format {
         match opened.kind {
             "JSON" => Ok(Self::Json),
             "ULog" => Ok(Self::Log),
-            "MCAP" => Ok(Self::Bag),
-            "rosbag2" => Ok(Self::Database),
+            "MCAP" => Ok(Self::Mcap),
+            "rosbag2" => Ok(Self::Sqlite),
             other => Err(Error::format(other)),
         }
     }
@@ -62,8 +62,8 @@ impl Format {
         match self {
             Self::Json => "JSON",
             Self::Log => "ULog",
-            Self::Bag => "MCAP",
-            Self::Database => "SQLite",
+            Self::Mcap => "MCAP",
+            Self::Sqlite => "SQLite",
         }
     }
 }
@@ -114,7 +114,7 @@ pub enum Output<'o> {
     /// A stream, for all formats but `SQLite`.
     Stream(&'o mut dyn Write),
     /// An empty file that becomes a `SQLite` file.
-    Database(&'o Path),
+    Sqlite(&'o Path),
     /// An empty folder that becomes a bag, with a file for each file of a folder that is converted.
     Folder(&'o Path),
 }
@@ -139,15 +139,15 @@ pub fn convert(
     let (topics, found) = match (format, to, output) {
         (Format::Json, Format::Json, Output::Stream(output)) => json::convert(bytes, plan, settings, output)?,
         (Format::Log, Format::Log, Output::Stream(output)) => ulog::convert(bytes, plan, settings, output)?,
-        (Format::Log, Format::Bag | Format::Database, output) => {
+        (Format::Log, Format::Mcap | Format::Sqlite, output) => {
             let output = Target::new(output, Distribution::InRecords);
             log_to_bag::convert(bytes, plan, settings, output)?
         }
-        (Format::Bag | Format::Database, Format::Log, Output::Stream(output)) => {
+        (Format::Mcap | Format::Sqlite, Format::Log, Output::Stream(output)) => {
             bag_to_log::convert(source(bytes), plan, settings, output)?
         }
-        (Format::Bag | Format::Database, Format::Bag | Format::Database, output) => {
-            let is_copied = (format, to) == (Format::Bag, Format::Bag);
+        (Format::Mcap | Format::Sqlite, Format::Mcap | Format::Sqlite, output) => {
+            let is_copied = (format, to) == (Format::Mcap, Format::Mcap);
             let unpacked = if is_copied { Unpacked::None } else { Unpacked::Cdr };
             let mut converters = Converters::default();
             let mut target = Target::new(output, distribution(plan, is_copied));

@@ -54,7 +54,7 @@ pub(super) fn log(data: &[u8]) {
         let report = convert((Path::new("fuzz"), opened), &SAME, settings, Output::Stream(&mut output));
         (report.unwrap_or_else(|error| panic!("{error:?}")), output)
     };
-    let (report, bag) = change("ULog", data, Format::Bag);
+    let (report, bag) = change("ULog", data, Format::Mcap);
     assert_eq!(messages(&bag), kept(&report));
     let (report, log) = change("MCAP", &bag, Format::Log);
     let of_topics = |report: ConversionReport| {

@@ -155,7 +155,7 @@ pub(super) fn run(args: &ConvertArgs) -> Exit {
         let opened = opened.map_err(|reason| unreadable(&args.input, reason))?;
         let format = Format::of(&opened).map_err(|error| failed(args, error))?;
         if target.is_none() && settings.format.is_none_or(|wanted| wanted == format) {
-            let other = if format == Format::Bag { "out.db3" } else { "out.mcap" };
+            let other = if format == Format::Mcap { "out.db3" } else { "out.mcap" };
             return Err(without_target(&format!("{} files", format.name()), other));
         }
         let plan = plan(&opened.definitions)?;
@@ -182,7 +182,7 @@ fn without_target(both: &str, other: &str) -> Status {
 /// The format that the name of a file indicates.
 fn format_of(path: &Path) -> Option<Format> {
     let extension = path.extension()?;
-    [("mcap", Format::Bag), ("db3", Format::Database), ("ulg", Format::Log)]
+    [("mcap", Format::Mcap), ("db3", Format::Sqlite), ("ulg", Format::Log)]
         .into_iter()
         .find_map(|(known, format)| extension.eq_ignore_ascii_case(known).then_some(format))
 }
@@ -203,7 +203,7 @@ fn write(
     };
     let result = match format {
         None => write_folder(&args.output, |folder| convert(Output::Folder(folder))),
-        Some(Format::Database) => write_at(&args.output, |file| convert(Output::Database(file))),
+        Some(Format::Sqlite) => write_at(&args.output, |file| convert(Output::Sqlite(file))),
         Some(_) => write_file(&args.output, |file| convert(Output::Stream(file))),
     };
     if result.is_err() && interrupted.load(Ordering::Relaxed) {

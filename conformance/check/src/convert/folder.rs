@@ -51,10 +51,10 @@ pub fn convert_folder(
             "a folder can't be converted to ULog: convert each of its files".to_owned(),
         ));
     }
-    let named = if opened.metadata.storage == "mcap" { Format::Bag } else { Format::Database };
+    let named = if opened.metadata.storage == "mcap" { Format::Mcap } else { Format::Sqlite };
     match output {
-        Output::Stream(_) | Output::Database(_) => {
-            let format = if matches!(output, Output::Stream(_)) { Format::Bag } else { Format::Database };
+        Output::Stream(_) | Output::Sqlite(_) => {
+            let format = if matches!(output, Output::Stream(_)) { Format::Mcap } else { Format::Sqlite };
             let mut target = Target::new(output, distribution(plan, false));
             conversion.files(folder, reading, Some(format), &mut |conversion, opened, _, found| {
                 conversion.file(opened, &mut target, found)
@@ -66,13 +66,13 @@ pub fn convert_folder(
         Output::Folder(to) => {
             let (mut files, mut stated) = (Vec::new(), None);
             conversion.files(folder, reading, None, &mut |conversion, opened, format, found| {
-                let extension = if format == Format::Bag { "mcap" } else { "db3" };
+                let extension = if format == Format::Mcap { "mcap" } else { "db3" };
                 let name = format!("{name}_{}.{extension}", files.len());
                 let path = to.join(&name);
                 let mut file = BufWriter::new(File::create(&path)?);
                 let output = match format {
-                    Format::Bag => Output::Stream(&mut file),
-                    _ => Output::Database(&path),
+                    Format::Mcap => Output::Stream(&mut file),
+                    _ => Output::Sqlite(&path),
                 };
                 let mut target = Target::new(output, distribution(plan, false));
                 conversion.file(opened, &mut target, found)?;
@@ -84,7 +84,7 @@ pub fn convert_folder(
             })?;
             plan.check_hints(&conversion.converters, &mut conversion.problems)?;
             let (_, format) = *conversion.formats.get_or_insert((named, named));
-            let storage = if format == Format::Bag { "mcap" } else { "sqlite3" };
+            let storage = if format == Format::Mcap { "mcap" } else { "sqlite3" };
             let distribution = &stated.unwrap_or_default();
             BagContent { storage, distribution, files: &files }.write(to)?;
         }
@@ -112,7 +112,7 @@ impl<'c> Conversion<'c> {
             let path = folder.join(file);
             let opened = self.opened.open(&path, reading).map_err(|error| error.to_string());
             let opened = opened.and_then(|opened| opened).and_then(|opened| match Format::of(&opened) {
-                Ok(format @ (Format::Bag | Format::Database)) => Ok((opened, format)),
+                Ok(format @ (Format::Mcap | Format::Sqlite)) => Ok((opened, format)),
                 _ => Err("neither a SQLite nor an MCAP file".to_owned()),
             });
             let (opened, format) = match opened {

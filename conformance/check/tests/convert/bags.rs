@@ -40,10 +40,10 @@ fn change(input: &Path, output: &Path, to: Option<&Library>) -> ConversionReport
     let opened = open_path(input, &LIBRARY, &|input| input).expect("a file").expect("a capture");
     let plan = Plan::new(opened.definitions.clone(), &LIBRARY, to, None).expect("a plan");
     let is_database = output.extension().is_some_and(|extension| extension == "db3");
-    let format = Some(if is_database { Format::Database } else { Format::Bag });
+    let format = Some(if is_database { Format::Sqlite } else { Format::Mcap });
     let settings = Settings { format, ..Settings::default() };
     let mut bytes = Vec::new();
-    let target = if is_database { Output::Database(output) } else { Output::Stream(&mut bytes) };
+    let target = if is_database { Output::Sqlite(output) } else { Output::Stream(&mut bytes) };
     let report = convert((input, opened), &plan, settings, target).expect("a conversion");
     if !is_database {
         fs::write(output, bytes).expect("a file");
@@ -210,7 +210,7 @@ fn a_folder_becomes_a_folder_or_a_file() {
     assert_eq!(messages, of_database(&folder.path().join("expected.db3")));
     let mut bytes = Vec::new();
     let report = change_folder(&input, Output::Stream(&mut bytes), None);
-    assert_eq!((report.from_format, report.to_format), (Format::Database, Format::Bag));
+    assert_eq!((report.from_format, report.to_format), (Format::Sqlite, Format::Mcap));
     fs::write(&merged, bytes).expect("a file");
     assert_eq!(of_mcap(&merged), of_database(&whole));
     let summary =

@@ -33,7 +33,7 @@ fn changed(bytes: &[u8], format: Format, to: Option<&Library>) -> Result<(Conver
 }
 
 fn bag_of(log: &[u8], to: Option<&Library>) -> (ConversionReport, Bag) {
-    let (report, output) = changed(log, Format::Bag, to).expect("a conversion");
+    let (report, output) = changed(log, Format::Mcap, to).expect("a conversion");
     (report, Bag::read(output))
 }
 
@@ -209,7 +209,7 @@ fn a_log_becomes_a_bag_and_the_same_log_again() {
     };
     let (report, bag) = bag_of(&bytes, None);
     assert!(report.is_complete() && report.count(Action::LeftOut) == 0, "{}", report.to_text());
-    assert_eq!((report.from_format, report.to_format, &report.to), (Format::Log, Format::Bag, &None));
+    assert_eq!((report.from_format, report.to_format, &report.to), (Format::Log, Format::Mcap, &None));
     let found = checked(&bag.bytes);
     assert_eq!(found.result.records, bag.messages.len() as u64);
     assert_eq!(found.result.summary.releases()[0].release, "px4@1.17");
@@ -362,7 +362,7 @@ fn truncated_captures_are_converted_as_far_as_possible() {
 
 #[test]
 fn other_topics_and_formats_are_refused() {
-    let error = changed(b"{\"type\": \"px4/Event\"}\n", Format::Bag, None).expect_err("JSON");
+    let error = changed(b"{\"type\": \"px4/Event\"}\n", Format::Mcap, None).expect_err("JSON");
     assert!(matches!(error, Error::Input(reason) if reason == "JSON can't be converted to MCAP"));
     let bag = [
         mcap::schema(1, "std_msgs/msg/String", "ros2msg", b"string data\n"),

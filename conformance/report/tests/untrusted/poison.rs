@@ -396,7 +396,7 @@ pub(super) fn conversion(text: &str) -> ConversionReport {
         from: vec![name()],
         to: Some(name()),
         from_format: ConversionFormat::Log,
-        to_format: ConversionFormat::Bag,
+        to_format: ConversionFormat::Mcap,
         topics: [Treated::Converted, Treated::Copied, Treated::LeftOut].map(topic).to_vec(),
         problems: vec![name()],
         more_problems: 1,

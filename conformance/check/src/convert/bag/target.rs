@@ -116,7 +116,7 @@ impl<'o> Target<'o> {
         let File::New(output) = &mut self.file else { return Ok(()) };
         match output.take() {
             Some(Output::Stream(output)) => self.file = File::Mcap(Box::new(Writer::new(output, profile)?)),
-            Some(Output::Database(path)) => self.file = File::Sqlite(rosbag::Writer::new(path)?),
+            Some(Output::Sqlite(path)) => self.file = File::Sqlite(rosbag::Writer::new(path)?),
             Some(Output::Folder(_)) => return Err(io::Error::other("expected a file, found a folder")),
             None => {}
         }
