@@ -167,19 +167,14 @@ impl<'o> Target<'o> {
         let id = id.map_err(|_| io::Error::other("the output needs more than 65,535 schemas"))?;
         let mut stored =
             Definition { ty: name.into_owned(), encoding: encoding.into_owned(), ..Definition::default() };
-        match (&mut self.file, String::from_utf8(text.into_owned())) {
-            (File::Mcap(writer), Ok(text)) => {
-                writer.schema(id, (&stored.ty, &stored.encoding), text.as_bytes())?
-            }
-            (File::Mcap(writer), Err(error)) => {
-                writer.schema(id, (&stored.ty, &stored.encoding), error.as_bytes())?;
-            }
-            (_, Ok(text)) => stored.text = text,
+        if let File::Mcap(writer) = &mut self.file {
+            writer.schema(id, (&stored.ty, &stored.encoding), &text)?;
+        } else if let Ok(text) = String::from_utf8(text.into_owned()) {
+            stored.text = text;
+        } else {
             // Like a type whose definition is unknown.
-            (_, Err(_)) => {
-                stored.encoding.clear();
-                self.left_out.schemas += 1;
-            }
+            stored.encoding.clear();
+            self.left_out.schemas += 1;
         }
         self.schemas.insert(origin, id);
         self.by_id.insert(id, stored);
