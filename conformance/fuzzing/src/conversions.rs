@@ -95,7 +95,7 @@ const SEED_TYPES: [&str; 5] = [
     "nav_msgs/msg/Odometry",
     "std_srvs/srv/SetBool_Event",
     "rcl_interfaces/msg/ParameterEvent",
-    "tf2_msgs/msg/TFMessage",
+    "action_msgs/srv/CancelGoal_Request",
 ];
 
 /// Converts an MCAP file. The output must be readable, and must contain all messages except those that the report lists

@@ -352,7 +352,7 @@ impl Plan {
         Ok(())
     }
 
-    /// The hints that neither the releases nor the schemas of a capture need. `applied` contains those that the schemas
+    /// The hints that neither the releases nor the schemas of a capture need. `applied` contains the hints that the schemas
     /// need.
     fn unused_hints(&self, applied: &Applied) -> Vec<Mistake> {
         if self.packages.is_empty() && !self.converts_schemas() {
