@@ -210,14 +210,10 @@ pub fn write_file<T, E: From<io::Error>>(
         file.flush()?;
         Ok(result)
     };
-    // A pipe or a terminal can't be replaced. If the path is a link, the link's target is replaced. A pipe may have no
-    // real path, and the target of a link may be absent.
-    let path = match fs::metadata(path) {
-        Ok(metadata) if metadata.is_file() => fs::canonicalize(path)?,
-        Err(_) if !path.is_symlink() => path.to_path_buf(),
-        _ => return fill(File::create(path)?),
-    };
-    replace(&path, |staged| fill(staged.as_file().try_clone()?))
+    match replaceable(path)? {
+        Some(path) => replace(&path, |staged| fill(staged.as_file().try_clone()?)),
+        None => fill(File::create(path)?),
+    }
 }
 
 /// Like [`write_file`], for content that isn't written from start to end: `content` gets the path of an empty file.
@@ -228,12 +224,18 @@ pub fn write_at<T, E: From<io::Error>>(
     path: &Path,
     content: impl FnOnce(&Path) -> Result<T, E>,
 ) -> Result<T, E> {
-    let path = match fs::metadata(path) {
-        Ok(metadata) if metadata.is_file() => fs::canonicalize(path)?,
-        Err(_) if !path.is_symlink() => path.to_path_buf(),
-        _ => return Err(io::Error::new(ErrorKind::InvalidInput, "it is not an ordinary file").into()),
-    };
-    replace(&path, |staged| content(staged.path()))
+    let unusual = || io::Error::new(ErrorKind::InvalidInput, "it is not an ordinary file");
+    replace(&replaceable(path)?.ok_or_else(unusual)?, |staged| content(staged.path()))
+}
+
+/// The path of the file that a new file replaces: the target of a link, or the path itself. `None` if the path can't be
+/// replaced, because it is a pipe or a terminal. A pipe may have no real path, and the target of a link may be absent.
+fn replaceable(path: &Path) -> io::Result<Option<PathBuf>> {
+    match fs::metadata(path) {
+        Ok(metadata) if metadata.is_file() => fs::canonicalize(path).map(Some),
+        Err(_) if !path.is_symlink() => Ok(Some(path.to_path_buf())),
+        _ => Ok(None),
+    }
 }
 
 /// Creates a folder in one step. `content` fills a temporary folder.
@@ -244,9 +246,8 @@ pub fn write_folder<T, E: From<io::Error>>(
     path: &Path,
     content: impl FnOnce(&Path) -> Result<T, E>,
 ) -> Result<T, E> {
-    let exists = || io::Error::new(ErrorKind::AlreadyExists, "it already exists");
     if fs::symlink_metadata(path).is_ok() {
-        return Err(exists().into());
+        return Err(io::Error::new(ErrorKind::AlreadyExists, "it already exists").into());
     }
     let stage = Stage::new(folder_of(path))?;
     let staged = stage.path().join("content");

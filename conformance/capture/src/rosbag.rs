@@ -6,6 +6,9 @@ mod writer;
 
 pub use self::writer::{BagContent, FileContent, Writer, portable_qos};
 
+/// The column of topics in `SQLite` files, and the metadata key of channels in MCAP files, for the quality of service.
+pub const QOS: &str = "offered_qos_profiles";
+
 /// The first bytes of `SQLite` files.
 pub const SQLITE_MAGIC: [u8; 16] = *b"SQLite format 3\0";
 

@@ -36,7 +36,7 @@ use uavspec_schema::{MessageId, derived_from};
 
 pub use self::cdr::decompressed;
 use self::cdr::{CdrChecker, TypeSource};
-pub(super) use self::clues::{recording as recording_clues, stated_distribution};
+pub(super) use self::clues::{DISTRIBUTION, recording as recording_clues, stated_distribution};
 pub(super) use self::folder::{check_folder, clues as folder_clues};
 pub(super) use self::mcap::KIND as MCAP;
 pub use self::mcap::{LiveBag, check_mcap};

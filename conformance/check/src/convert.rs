@@ -82,7 +82,7 @@ pub struct Settings {
 pub enum Error {
     /// The capture can't be converted; contains the reason.
     Input(String),
-    /// A hint contains a mistake, or is never used.
+    /// A hint contains a mistake that only the schemas of the capture show.
     Hints(Failure),
     /// The output can't be written.
     Write(io::Error),
@@ -129,14 +129,9 @@ pub fn convert(
     let format = Format::of(&opened)?;
     let to = settings.format.unwrap_or(format);
     let Opened { bytes, database, state, .. } = opened;
-    let mut problems = Problems::default();
-    if let Some(database) = &database {
-        database.problems.iter().for_each(|problem| problems.add(problem.clone()));
-    }
     let shared = &plan.source().shared;
-    let bag = database.as_ref().map(|database| &database.bag);
-    let source = |bytes| Source { bytes, database: bag, shared, encodings: None };
-    let (topics, found) = match (format, to, output) {
+    let source = |bytes| Source { bytes, database: database.as_ref(), shared, encodings: None };
+    let (topics, mut problems) = match (format, to, output) {
         (Format::Json, Format::Json, Output::Stream(output)) => json::convert(bytes, plan, settings, output)?,
         (Format::Log, Format::Log, Output::Stream(output)) => ulog::convert(bytes, plan, settings, output)?,
         (Format::Log, Format::Mcap | Format::Sqlite, output) => {
@@ -163,7 +158,6 @@ pub fn convert(
             return Err(Error::Input(reason));
         }
     };
-    problems.merge(found);
     if let Some(change) = state.and_then(|state| state.change(path)) {
         problems.add(change);
     }

@@ -57,7 +57,7 @@ pub use self::bag::{
     BagChannel, BagSummary, Basis, BusEndpoint, BusTopic, ChannelResult, CheckStatus, HASH, LiveBag,
     McapSummary, StatedType, check_mcap, decompressed, digest, stated_type,
 };
-pub(crate) use self::bag::{definitions_of, stated_distribution};
+pub(crate) use self::bag::{DISTRIBUTION, definitions_of, stated_distribution};
 pub use self::clock::Clock;
 use self::coverage::Parts;
 pub use self::coverage::{Coverage, Part, PartResult, Share, Unit};

@@ -53,7 +53,7 @@ pub struct Conversions {
     /// Mistakes in the hints that are detected only with the definitions, such as wrong types.
     pub mistakes: Vec<Mistake>,
     /// The hints that apply.
-    pub(crate) applied: Applied,
+    pub applied: Applied,
 }
 
 /// The hints that apply to at least one message.
@@ -68,11 +68,6 @@ pub struct Applied {
 impl Applied {
     fn none(hints: &Hints) -> Self {
         Self { hints: vec![false; hints.of_messages.len()], packages: vec![false; hints.packages.len()] }
-    }
-
-    /// Adds the hints that apply to these conversions.
-    pub fn add(&mut self, found: &Conversions) {
-        self.merge(&found.applied);
     }
 
     /// Adds the hints that apply elsewhere.

@@ -48,7 +48,7 @@ impl Answer {
             (version(found.old), version(found.new))
         });
         let mut applied = Applied::default();
-        self.conversions.iter().for_each(|found| applied.add(found));
+        self.conversions.iter().for_each(|found| applied.merge(&found.applied));
         self.hints.unused(&applied, &versions.collect::<Vec<_>>())
     }
 }

@@ -31,7 +31,7 @@ use rusqlite::{Connection, ErrorCode, OpenFlags, Row};
 use uavspec_model::Extent;
 use uavspec_model::text::{command_line, plural, shown, thousands};
 
-use super::metadata;
+use super::{QOS, metadata};
 use crate::limits::{MAX_HEAP, MAX_NAME, MAX_RECORD, MAX_ROWS};
 
 /// The size of the page cache of a database, in KiB.
@@ -260,7 +260,7 @@ impl Bag {
     /// Passes the topics to `take`.
     pub fn topics(&self, mut take: impl FnMut(Topic)) -> Result<(), Problem> {
         let columns = ["id", "name", "type", "serialization_format"];
-        self.rows("topics", &columns, &["type_description_hash", "offered_qos_profiles"], |row| {
+        self.rows("topics", &columns, &["type_description_hash", QOS], |row| {
             let id = row.get_ref(0)?.as_i64().unwrap_or_default();
             let (topic, ty, encoding) = (name(row, 1)?, name(row, 2)?, name(row, 3)?);
             take(Topic { id, name: topic, ty, encoding, hash: name(row, 4)?, qos: text(row, 5)? });

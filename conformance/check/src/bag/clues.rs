@@ -23,6 +23,9 @@ use crate::limits::{MAX_METADATA, MAX_SCHEMA, MAX_SCHEMAS, MAX_TYPES};
 use crate::release::MAX_AHEAD;
 use crate::topic::full_name;
 
+/// The name and the key of the metadata record in which rosbag2 stores the ROS distribution.
+pub(crate) const DISTRIBUTION: (&str, &str) = ("rosbag2", "ROS_DISTRO");
+
 /// The length of an MCAP file's footer record with the magic at the end of the file, in bytes.
 const FOOTER: usize = 9 + 20 + 8;
 
@@ -105,10 +108,10 @@ fn record_head(input: &mut impl Read) -> Option<(u8, u64)> {
 
 /// The ROS distribution in the body of a metadata record. rosbag2 writes such records.
 pub(crate) fn stated_distribution(body: &[u8]) -> Option<String> {
-    let (_, values) = metadata(body).filter(|(name, _)| name == "rosbag2")?;
+    let (_, values) = metadata(body).filter(|(name, _)| name == DISTRIBUTION.0)?;
     let in_yaml = || distribution(values.get("serialized_metadata")?);
     values
-        .get("ROS_DISTRO")
+        .get(DISTRIBUTION.1)
         .cloned()
         .or_else(in_yaml)
         .filter(|name| !name.is_empty() && name.len() <= MAX_NAME)

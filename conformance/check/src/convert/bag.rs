@@ -89,7 +89,7 @@ pub(super) fn convert<'p>(
     problems: &mut Problems,
 ) -> Result<Vec<TopicReport>, Error> {
     if let Some(database) = source.database {
-        output.take_distribution(database.distribution());
+        output.take_distribution(database.bag.distribution());
     }
     output.next_input();
     let mut stream = Stream {

@@ -35,6 +35,10 @@ pub fn convert_folder(
     reading: Reading<'_>,
     (name, output): (&str, Output<'_>),
 ) -> Result<ConversionReport, Error> {
+    if settings.format == Some(Format::Log) {
+        let reason = "a folder can't be converted to ULog: convert each of its files";
+        return Err(Error::Input(reason.to_owned()));
+    }
     let mut problems = Problems::default();
     opened.metadata.problems.iter().for_each(|problem| problems.add(format!("{FILE_NAME}: {problem}")));
     let mut conversion = Conversion {
@@ -46,11 +50,6 @@ pub fn convert_folder(
         problems,
         formats: None,
     };
-    if settings.format == Some(Format::Log) {
-        return Err(Error::Input(
-            "a folder can't be converted to ULog: convert each of its files".to_owned(),
-        ));
-    }
     let named = if opened.metadata.storage == "mcap" { Format::Mcap } else { Format::Sqlite };
     match output {
         Output::Stream(_) | Output::Sqlite(_) => {
@@ -142,14 +141,11 @@ impl<'c> Conversion<'c> {
         problems: &mut Problems,
     ) -> Result<(), Error> {
         let Opened { bytes, database, .. } = opened;
-        if let Some(database) = &database {
-            database.problems.iter().for_each(|problem| problems.add(problem.clone()));
-        }
         let metadata = &self.opened.metadata;
         target.take_distribution(metadata.distribution.clone());
         let source = Source {
             bytes,
-            database: database.as_ref().map(|database| &database.bag),
+            database: database.as_ref(),
             shared: &self.plan.source().shared,
             encodings: Some(&metadata.encodings),
         };

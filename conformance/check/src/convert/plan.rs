@@ -172,7 +172,7 @@ impl HintFiles {
     ) -> Vec<Arc<Conversion>> {
         let mut between = |old, new| {
             let found = Conversions::between(old, new, &self.hints);
-            applied.add(&found);
+            applied.merge(&found.applied);
             found
         };
         if is_forward == Some(false) {

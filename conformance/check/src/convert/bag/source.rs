@@ -1,6 +1,5 @@
 //! The records of the file that a conversion reads.
 
-use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::io::{self, Read};
 use std::mem;
@@ -9,6 +8,7 @@ use std::rc::Rc;
 
 use uavspec_capture::input::UpToError;
 use uavspec_capture::mcap::{Event, Item, Reader};
+use uavspec_capture::rosbag::QOS;
 use uavspec_capture::rosbag::sqlite::{self, Definition, Facts, Message, Topic};
 use uavspec_rules::definitions::Shared;
 
@@ -16,12 +16,6 @@ use super::super::Error;
 use super::super::report::Problems;
 use super::declarations::{fits, too_large};
 use crate::{HASH, definitions_of};
-
-/// The metadata key for the quality of service of a channel, as written by rosbag2.
-pub(super) const QOS: &str = "offered_qos_profiles";
-
-/// The name and the key of the metadata record in which rosbag2 stores the ROS distribution.
-pub(super) const DISTRIBUTION: (&str, &str) = ("rosbag2", "ROS_DISTRO");
 
 /// The profile of MCAP files that rosbag2 writes.
 pub(in crate::convert) const PROFILE: &str = "ros2";
@@ -31,7 +25,7 @@ pub(in crate::convert) struct Source<'s, R> {
     /// All bytes, decompressed.
     pub(in crate::convert) bytes: R,
     /// The `SQLite` file that contains these bytes; `None` for an MCAP file.
-    pub(in crate::convert) database: Option<&'s sqlite::Bag>,
+    pub(in crate::convert) database: Option<&'s crate::Database>,
     pub(in crate::convert) shared: &'s Shared,
     /// The encodings of the topics' messages in the metadata of the bag. rosbag2 prefers them to the encodings in
     /// `SQLite` files.
@@ -49,8 +43,9 @@ impl<R: Read> Source<'_, R> {
         let mut input = UpToError::new(self.bytes);
         if let Some(database) = self.database {
             let Self { shared, encodings, .. } = self;
+            database.problems.iter().for_each(|problem| problems.add(problem.clone()));
             let mut file = Database { input: &mut input, shared, encodings, take: &mut take, problems };
-            file.read(database)?;
+            file.read(&database.bag)?;
             return Ok(0);
         }
         let mut reader = Reader::new(&mut input);
@@ -107,30 +102,30 @@ impl<R: Read, T: FnMut(Item<'_>, &mut Problems) -> Result<(), Error>> Database<'
         if !has_room {
             self.problems.add(too_large());
         }
-        let (mut schemas, mut channels) = (HashMap::new(), HashMap::new());
-        for topic in topics {
-            let definition = definitions.of(&topic).cloned();
-            let number = schemas.len() + 1;
-            let at = definition.as_ref().map(Rc::as_ptr);
-            let schema = match schemas.entry((topic.ty.clone(), at)) {
-                Entry::Occupied(known) => *known.get(),
-                Entry::Vacant(entry) => {
-                    let id = u16::try_from(number).map_err(|_| too_many("types"))?;
-                    let name = topic.ty.clone();
-                    let definition = definition.as_deref();
-                    // Without a definition, rosbag2 writes neither a text nor an encoding into MCAP files.
-                    let encoding = definition.map_or("", |definition| &definition.encoding).to_owned();
-                    let text = definition.map_or(&b""[..], |definition| definition.text.as_bytes());
-                    self.record(Event::Schema { id, name, encoding, text })?;
-                    *entry.insert(id)
-                }
-            };
-            let id = u16::try_from(channels.len() + 1).map_err(|_| too_many("topics"))?;
-            let Topic { id: number, name, encoding, hash, qos, .. } = topic;
-            if channels.contains_key(&number) {
-                self.problems.add(format!("topic {number} is declared again; the first declaration is used"));
-                continue;
+        let mut known = BTreeSet::new();
+        topics.retain(|Topic { id, .. }| {
+            let is_new = known.insert(*id);
+            if !is_new {
+                self.problems.add(format!("topic {id} is declared again; the first declaration is used"));
             }
+            is_new
+        });
+        let (mut schemas, mut channels) = (HashMap::new(), HashMap::new());
+        // The reader limits the number of topics, so each gets an id.
+        for (id, topic) in (1..=u16::MAX).zip(topics) {
+            let definition = definitions.of(&topic).cloned();
+            let at = definition.as_ref().map(Rc::as_ptr);
+            // The first topic with a schema gives it its id.
+            let schema = *schemas.entry((topic.ty.clone(), at)).or_insert(id);
+            if schema == id {
+                let name = topic.ty.clone();
+                let definition = definition.as_deref();
+                // Without a definition, rosbag2 writes neither a text nor an encoding into MCAP files.
+                let encoding = definition.map_or("", |definition| &definition.encoding).to_owned();
+                let text = definition.map_or(&b""[..], |definition| definition.text.as_bytes());
+                self.record(Event::Schema { id, name, encoding, text })?;
+            }
+            let Topic { id: number, name, encoding, hash, qos, .. } = topic;
             channels.insert(number, id);
             // In a truncated file, a part of the text may be missing.
             let qos = if qos.contains('\0') { String::new() } else { qos };
@@ -184,9 +179,4 @@ impl<R: Read, T: FnMut(Item<'_>, &mut Problems) -> Result<(), Error>> Database<'
         self.problems.add(problem.text);
         false
     }
-}
-
-/// The error for a bag that doesn't fit into the records of an MCAP file.
-fn too_many(what: &str) -> Error {
-    Error::Input(format!("the bag has more than 65,535 {what}"))
 }

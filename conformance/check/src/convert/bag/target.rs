@@ -8,7 +8,7 @@ use std::io::{self, Read, Write};
 use mcap::records::MessageHeader;
 use uavspec_capture::mcap::{Packing, Writer, metadata, metadata_body};
 use uavspec_capture::rosbag::sqlite::{Definition, Topic};
-use uavspec_capture::rosbag::{self, FileContent, portable_qos};
+use uavspec_capture::rosbag::{self, FileContent, QOS, portable_qos};
 use uavspec_model::text::thousands;
 use uavspec_schema::MessageId;
 use uavspec_schema::derived_from;
@@ -17,8 +17,7 @@ use uavspec_schema::msg::Kind;
 use super::super::Output;
 use super::super::report::Problems;
 use super::declarations::fits;
-use super::source::{DISTRIBUTION, QOS};
-use crate::{HASH, digest, stated_distribution};
+use crate::{DISTRIBUTION, HASH, digest, stated_distribution};
 
 /// The origin of a schema in the output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -45,7 +44,6 @@ pub(in crate::convert) struct Target<'o> {
     size: usize,
     /// The ids of the channels in the file, by the digest of their declaration.
     channels: HashMap<u64, u16>,
-    used: HashSet<u16>,
     /// The ids that channels of the current input use.
     current: HashSet<u16>,
     /// The next id for a channel whose own id is used.
@@ -100,7 +98,6 @@ impl<'o> Target<'o> {
             by_id: HashMap::new(),
             size: 0,
             channels: HashMap::new(),
-            used: HashSet::new(),
             current: HashSet::new(),
             next: 0,
             defined: HashMap::new(),
@@ -199,7 +196,7 @@ impl<'o> Target<'o> {
             return Ok(Some(*known));
         }
         let mut free = id;
-        while self.used.contains(&free) {
+        while self.topics.contains_key(&free) {
             let next = self.next.checked_add(1);
             free = self.next;
             self.next = next.ok_or_else(|| io::Error::other("the output needs more than 65,535 channels"))?;
@@ -243,7 +240,6 @@ impl<'o> Target<'o> {
             File::New(_) => {}
         }
         self.topics.insert(id, (topic, 0));
-        self.used.insert(id);
         self.current.insert(id);
         self.channels.insert(digest, id);
         Ok(Some(id))
